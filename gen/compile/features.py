@@ -8,9 +8,10 @@ FEATURES = {
     "tangent": "the tangent map of the step, for Lyapunov exponents and stability",
     "extended": "evaluates each step a last time in extended precision, so that round-off is far below an ulp of w",
     "plain-sums": "no compensated summation: the rounding error of w + u is discarded",
+    "distributed": "with -DSMG_MPI, ranks that store only their own part of a lattice processed by rows",
     "ensemble": "many states side by side, each bit for bit as on its own; those of a single sphere in lanes",
 }
-EVERYWHERE = ("ensemble",)      # of every method
+EVERYWHERE = ("distributed", "ensemble")      # of every method
 ASKS = {"tangent": (HESSIAN,), "extended": (WIDE_GRADIENT, HESSIAN)}       # of every contribution
 
 

@@ -31,8 +31,14 @@ size_t SMG_PUBLIC(savesize)(const smg_model *model) {
   smg_coefficients c;
   return smg_saved_size(smg_begin(&c, model, 0));
 }
-void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) { smg_save_state(s, out); }
-smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) { return smg_restore_state(s, in); }
+void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) {
+  smg_choose_own(&s->c);
+  smg_save_state(s, out);
+}
+smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) {
+  smg_choose_own(&s->c);
+  return smg_restore_state(s, in);
+}
 
 /* b = (1/kappa) dH/dw. */
 void SMG_PUBLIC(field)(const smg_model *model, smg_real t, const smg_real *w, smg_real *b) {
@@ -58,12 +64,13 @@ void SMG_PUBLIC(momentum)(const smg_model *model, const smg_real *w, smg_real *o
     for (int b = 0; b < 3; ++b) {
       const int64_t end = smg_family_end(&c, f);
       smg_sum sum = SMG_NO_SUM;
-      for (int64_t from = first; from < end; from += SMG_HELD) {
-        smg_real *held = smg_sum_room(&sum, smg_held_end(from, end) - from);
-        for (int64_t k = from; k < smg_held_end(from, end); ++k)
+      smg_sum_go_on(&sum);
+      for (int64_t from = smg_part_begin(first, 1); from < smg_part_end(end, 1); from += SMG_HELD) {
+        smg_real *held = smg_sum_room(&sum, smg_held_end(from, smg_part_end(end, 1)) - from);
+        for (int64_t k = from; k < smg_held_end(from, smg_part_end(end, 1)); ++k)
           held[k - from] = smg_present(&c, k) * smg_kappa(&c, k) * w[3 * k + b];
       }
-      out[3 * f + b] = smg_sum_of(&sum);
+      out[3 * f + b] = smg_sum_of_ranks(&sum);
     }
     first = smg_family_end(&c, f);
   }

@@ -85,6 +85,7 @@
 #endif
 #include "smg_arrays.h"
 #include "smg_defaults.h"
+#include "smg_own.h"
 #include "smg_site.h"
 
 /* What the model says of itself by macros, 0 where neither it nor smg_defaults.h says anything: SMG_BS unknowns a site

@@ -14,6 +14,7 @@ static const smg_coefficients *smg_begin(smg_coefficients *c, const smg_model *m
 #if SMG_SITE_NUMBERS
   c->of_sites = NULL;
 #endif
+  smg_choose_own(c);
   smg_set_step(c, 0);
   smg_set_time(c, t);
   return c;

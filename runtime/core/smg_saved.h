@@ -105,7 +105,7 @@ SMG_RARE static void smg_restore_noise(smg_state *s, const smg_real *in) {
 #endif
 
 SMG_RARE static void smg_save_state(const smg_state *s, smg_real *out) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
+  const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
   out[SMG_SAVED_T0] = (smg_real)s->t0;
@@ -120,7 +120,7 @@ SMG_RARE static void smg_save_state(const smg_state *s, smg_real *out) {
 #if SMG_THERMAL
   smg_save_noise(s, out);
 #endif
-  smg_copy(out + SMG_SAVED_HEAD, s->w, n3);
+  smg_copy(out + SMG_SAVED_HEAD + from, s->w + from, 3 * smg_own_to(&s->c) - from);
   smg_save_sites(s, out + SMG_SAVED_HEAD + n3, out + smg_saved_past(&s->c));
 }
 
@@ -179,20 +179,19 @@ SMG_RARE static int smg_good_head(const smg_coefficients *c, const smg_real *in)
 
 /* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
  * it. */
-SMG_RARE static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in) {
+SMG_RARE static smg_status smg_check_saved(const smg_coefficients *c, const smg_real *in, int64_t *site) {
   const size_t size = smg_saved_size(c);
   const smg_real *w = in + SMG_SAVED_HEAD;
-  int64_t site;
   if (!(in[SMG_SAVED_SIZE] == (smg_real)size)) return SMG_BAD_PARAMETER;
-  for (size_t k = 0; k < size; ++k)
+  for (size_t k = 0; k < size; k = smg_next_saved(c, k, SMG_SAVED_HEAD))
     if (!(SMG_MATH(fabs)(in[k]) <= SMG_MAX)) return SMG_NOT_FINITE;
   if (!smg_good_head(c, in)) return SMG_BAD_PARAMETER;
   const smg_status times = smg_check_times((double)in[SMG_SAVED_T0], (double)in[SMG_SAVED_H]);
   if (times != SMG_OK) return times;
-  for (site = 0; site < smg_sites(c); ++site)
-    if (!(smg_largest(w + 3 * (smg_sites(c) + site)) <= SMG_MOST_LOST * smg_largest(w + 3 * site)))
+  for (*site = smg_own_from(c); *site < smg_own_to(c); ++*site)
+    if (!(smg_largest(w + 3 * (smg_sites(c) + *site)) <= SMG_MOST_LOST * smg_largest(w + 3 * *site)))
       return SMG_BAD_PARAMETER;
-  return smg_check_state(c, w, NULL, smg_saved_off_sphere(in), &site);
+  return smg_check_state(c, w, NULL, smg_saved_off_sphere(in), site);
 }
 
 /* The head. */
@@ -210,14 +209,18 @@ SMG_RARE static void smg_restore_head(smg_state *s, const smg_real *in) {
 }
 
 SMG_RARE static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
-  const smg_status status = s->w ? smg_check_saved(&s->c, in) : SMG_BAD_PARAMETER;
+  const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);
+  int64_t site = 0;
+  const smg_status found = s->w ? smg_check_saved(&s->c, in, &site) : SMG_BAD_PARAMETER,
+                   status = smg_status_of_ranks(found, &site);
   if (status != SMG_OK) return status;
   smg_restore_head(s, in);
+  if (!smg_may_begin(s)) return s->report.status = SMG_BAD_PARAMETER;
   smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
   if (in[SMG_SAVED_HISTORY] < 0) --s->version;
   smg_set_newton_steps(s, (int)in[SMG_SAVED_NEWTON_STEPS]);
-  smg_copy(s->w, in + SMG_SAVED_HEAD, n3);
+  smg_copy(s->w + from, in + SMG_SAVED_HEAD + from, 3 * smg_own_to(&s->c) - from);
+  smg_share_ends(&s->c, s->w);
   smg_restore_sites(s, in + SMG_SAVED_HEAD + n3, in + smg_saved_past(&s->c));
   return SMG_OK;
 }

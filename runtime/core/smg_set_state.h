@@ -44,8 +44,11 @@ static void smg_go_on_from(smg_state *s, const smg_real *w) {
  * NULL. */
 static smg_status smg_check_going_on(smg_state *s, const smg_real *w, const smg_real *before) {
   s->report.partner = -1;
-  return s->report.status =
-             s->w ? smg_check_state(&s->c, w, before, SMG_OFF_SPHERE, &s->report.site) : SMG_BAD_PARAMETER;
+  smg_choose_own(&s->c);
+  s->report.status = s->w && (!smg_is_stale(s) || smg_may_begin(s))
+                         ? smg_check_state(&s->c, w, before, SMG_OFF_SPHERE, &s->report.site)
+                         : SMG_BAD_PARAMETER;
+  return s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);
 }
 
 /* w is refused as a start would be, and the state is then as it was; so is every w where init gave the state no memory.

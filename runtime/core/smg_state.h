@@ -55,6 +55,9 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
 /* What a lattice by rows answers; defined by smg_row_state.h, or the smg_*_state.h of an explicit method: does it go by
  * rows (s->rows)? Its tables; what its steps have lost to rounding, forgotten, saved and restored. */
 static inline void smg_choose_rows(smg_state *s);
+#if SMG_DIVIDED
+static void smg_clear_rows(const smg_state *s);
+#endif
 static inline void smg_make_tables(smg_state *s);
 static inline void smg_forget_rows(const smg_state *s);
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past);
@@ -65,11 +68,12 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
 static inline size_t smg_memory(const smg_model *model) {
   smg_state s;
   s.c.model = model;
+  smg_choose_own(&s.c);
 #if SMG_BY_ROWS
   s.rows = 1;
   const size_t by_rows = smg_layout(&s, NULL);
   s.rows = 0;
-  if (by_rows > smg_layout(&s, NULL)) return sizeof(smg_real) * by_rows;
+  if (smg_is_divided() || by_rows > smg_layout(&s, NULL)) return sizeof(smg_real) * by_rows;
 #endif
   return sizeof(smg_real) * smg_layout(&s, NULL);
 }
@@ -111,10 +115,10 @@ static inline smg_real smg_off_sphere(const smg_coefficients *c, int64_t k, cons
  * first that is refused, or -1. */
 static smg_status smg_check_state(const smg_coefficients *c, const smg_real *w, const smg_real *before, smg_real off,
                                   int64_t *site) {
-  const int64_t sites = smg_sites(c);
-  for (*site = 0; *site < sites; ++*site)
+  const int64_t first = smg_own_from(c), end = smg_own_to(c);
+  for (*site = first; *site < end; ++*site)
     if (!(smg_largest(w + 3 * *site) <= SMG_MAX)) return SMG_NOT_FINITE;
-  for (*site = 0; *site < sites; ++*site) {
+  for (*site = first; *site < end; ++*site) {
     const smg_status status =
         smg_check_site(c, *site, w + 3 * *site, before ? off + smg_off_sphere(c, *site, before + 3 * *site) : off);
     if (status != SMG_OK) return status;
@@ -134,7 +138,7 @@ static inline int smg_put_away(const smg_state *s, int64_t k) {
 /* s->w = w, which is checked, each site on its sphere to round-off; s->scale is the largest component. */
 static void smg_put_state(smg_state *s, const smg_real *w) {
   s->scale = 0;
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+  for (int64_t k = smg_own_from(&s->c); k < smg_own_to(&s->c); ++k) {
     if (smg_put_away(s, k)) continue;
     const smg_real leaf = smg_leaf_value_of(&s->c, k, w + 3 * k), size = SMG_MATH(sqrt)(smg_dot(w + 3 * k, w + 3 * k));
     /* given with some digits less */
@@ -142,6 +146,8 @@ static void smg_put_state(smg_state *s, const smg_real *w) {
     s->scale = smg_max(s->scale, smg_largest(w + 3 * k));
     for (int b = 0; b < 3; ++b) s->w[3 * k + b] = off ? w[3 * k + b] * (leaf / size) : w[3 * k + b];
   }
+  smg_largest_of_all(&s->scale);
+  smg_share_ends(&s->c, s->w);
 }
 
 /* The state before any memory is known: all that is not an array. */
@@ -187,7 +193,11 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   s->row_kept = 0;
 #endif
   const size_t used = smg_layout(s, mem);
-  for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
+#if SMG_DIVIDED
+  if (smg_is_divided()) smg_clear_rows(s);
+  else
+#endif
+    for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
 #if SMG_BY_ROWS
   smg_make_tables(s);
 #endif
@@ -197,14 +207,28 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   s->version = s->c.model->version;
 }
 
+/* Steps of divided memory go by rows, or not at all. */
+static inline int smg_may_begin(smg_state *s) {
+#if SMG_DIVIDED
+  smg_set_size(s, smg_signed_h(s->h));
+  smg_choose_rows(s);
+  return s->rows || !smg_is_divided();
+#else
+  return (void)s, 1;
+#endif
+}
+
 static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0,
                                   double h) {
   smg_blank(s, model, t0, h);
   s->report.status = model->status;
   if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
   if (s->report.status != SMG_OK) return s->report.status;
+  smg_choose_own(&s->c);
+  if (!smg_may_begin(s)) return s->report.status = SMG_BAD_PARAMETER;
   smg_begin_arrays(s, (smg_real *)mem, 0);
   s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
+  s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);
   if (s->report.status == SMG_OK) smg_put_state(s, w);
   return s->report.status;
 }

@@ -5,6 +5,7 @@
 #define SMG_SUM_H
 
 #include "smg_lanes.h"
+#include "smg_own.h"
 
 #define SMG_PARTS 16
 #define SMG_HELD 256 /* values that a loop finds before they are added, at most */
@@ -53,5 +54,14 @@ static inline smg_real smg_sum_of(smg_sum *s) {
   }
   return sum + lost;
 }
+
+/* Of the sites of all ranks, where they divide them (smg_row_parts.h). */
+#if SMG_DIVIDED
+static void smg_sum_go_on(smg_sum *s);
+static smg_real smg_sum_of_ranks(smg_sum *s);
+#else
+#define smg_sum_go_on(s) (void)0
+#define smg_sum_of_ranks(s) smg_sum_of(s)
+#endif
 
 #endif

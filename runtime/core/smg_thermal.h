@@ -61,7 +61,8 @@ static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
 
 /* The part of all sites that one of several threads has. */
 static void smg_heat_share(smg_state *s, int64_t step, int half, int thread, int threads) {
-  for (int64_t k = smg_sites(&s->c) * thread / threads; k < smg_sites(&s->c) * (thread + 1) / threads; ++k)
+  const int64_t from = smg_own_from(&s->c), all = smg_own_to(&s->c) - from;
+  for (int64_t k = from + all * thread / threads; k < from + all * (thread + 1) / threads; ++k)
     smg_heat_site(s, k, step, half);
 }
 
@@ -113,13 +114,14 @@ static smg_status smg_two_halves(smg_state *s) {
 static smg_status smg_thermal_step(smg_state *s) {
   if (s->count >= SMG_THERMAL_STEPS) return s->report.status = SMG_BAD_PARAMETER;
   if (!smg_is_hot(s)) return smg_step(s);
-  smg_copy(s->unturned, s->w, 3 * smg_sites(&s->c));
+  const int64_t from = 3 * smg_own_from(&s->c), numbers = 3 * smg_own_to(&s->c) - from;
+  smg_copy(s->unturned + from, s->w + from, numbers);
   smg_heat(s, s->count, 0);
   smg_status status = smg_step(s);
   if (smg_may_halve(status)) status = smg_two_halves(s);
   if (status == SMG_OK) smg_heat(s, s->count - 1, 1); /* of the step that was counted just now */
   else {
-    smg_copy(s->w, s->unturned, 3 * smg_sites(&s->c));
+    smg_copy(s->w + from, s->unturned + from, numbers);
     smg_forget_compensation(s);
   }
   return status;

@@ -45,8 +45,12 @@ static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
 
 /* Nothing is lost to rounding: in empty slots nothing ever is. */
 static inline void smg_forget_rows(const smg_state *s) {
+#if SMG_DIVIDED
+  smg_clear_slots(&s->c, s->row_compensation, smg_pitch(&s->c), 0, SMG_COLOURS);
+#else
   const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
   for (int k = 0; k < 3; ++k) smg_zero(s->row_compensation + k * pitch, slots);
+#endif
 }
 
 /* What is in them. */
@@ -66,18 +70,24 @@ static inline const smg_blocks *smg_blocks_of(const smg_state *s, smg_blocks *b)
 
 /* Sites that are not there: by slots 0, so that others feel nothing of them, else as smg_put_away has them. */
 static inline void smg_put_absent(smg_state *s, int by_slots) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+  for (int64_t k = smg_own_from(&s->c); k < smg_own_to(&s->c); ++k)
     if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
 }
 
 /* w into slots, where it is not there yet, and back; empty ones hold a spin that nothing turns, or the vector 0 where a
  * torque would turn that. */
 static void smg_enter_rows(smg_state *s) {
-  const int64_t slots = smg_slots(&s->c), pitch = smg_pitch(&s->c);
-  if (s->row_kept) return;
-  smg_put_absent(s, 1);
-  for (int64_t slot = 0; slot < slots; ++slot) s->row_w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
-  smg_to_slots(s, s->w, s->row_w);
+  const int64_t pitch = smg_pitch(&s->c);
+  if (!s->row_kept) {
+    smg_put_absent(s, 1);
+    SMG_COLOURS_AT_ONCE(colour, n, 0) {
+      const smg_share part = smg_share_of_rank(&s->c, colour, n);
+      for (int64_t slot = part.from; slot < part.to; ++slot)
+        s->row_w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
+    }
+    smg_to_slots(s, s->w, s->row_w);
+  }
+  smg_release_other(s);
 }
 
 /* A call of some steps begins: what stands beside the sites, ranks and threads; w into slots. */
@@ -99,8 +109,10 @@ static void smg_begin_call(smg_state *s, smg_besides *known) {
   smg_enter_rows(s);
 }
 static void smg_leave_rows(smg_state *s) {
+  smg_release_other(s);
   smg_to_sites(s, s->row_w, s->w);
   smg_put_absent(s, 0);
+  smg_share_ends(&s->c, s->w);
 #if !SMG_THERMAL /* which turns w between steps */
   s->row_kept = 1;
 #endif

@@ -147,7 +147,7 @@ static void smg_mpi_prepare(const smg_state *s, int64_t colour) {
 static void smg_begin_ranks(const smg_state *s, smg_besides *known) {
   smg_choose_ranks(&s->c);
   smg_halo.partners = 0;
-  if (smg_mpi_of > 1 && smg_mpi_of < SMG_MPI_NONE)
+  if (smg_mpi_parts > 1 && smg_mpi_me < smg_mpi_parts)
     for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_mpi_colour_reads(&s->c, known, colour);
   if (smg_halo.partners > 0) smg_mpi_tell();
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_mpi_prepare(s, colour);

@@ -3,12 +3,15 @@
  *
  * The state is replicated, the step distributed: every rank has all arrays, and works on its part of the slots of each
  * colour; within it threads have their shares. What ranks find together is a largest number, so the bits are those of
- * one rank. Between calls every rank has the whole of w; the other arrays are gathered when a state is saved. All ranks
- * make the same calls. */
+ * one rank. Between calls every rank has the whole of w; the other arrays are gathered when a state is saved. Where
+ * memory is divided too (smg_row_parts.h) nothing is gathered. All ranks make the same calls. */
 #ifndef SMG_ROW_RANKS_H
 #define SMG_ROW_RANKS_H
 
 #include "smg_rows.h"
+#if SMG_DISTRIBUTED
+#include "smg_sum.h"
+#endif
 
 #if defined(SMG_MPI) && SMG_BY_ROWS && !SMG_ROW_TURNS
 #include <mpi.h>
@@ -29,18 +32,23 @@
 #ifndef SMG_MPI_SHARE
 #define SMG_MPI_SHARE 4096
 #endif
-#define SMG_MPI_NONE ((int64_t)1 << 40) /* the first of so many parts is empty */
 
-/* Ranks of this call: this one, all, and those that have parts; which part of how many is this one's. MPI is called by
- * one thread of a process at a time, and each call begins by setting them. */
+/* Ranks of this call: this one, all, and those that have parts, the first ones; slots of a colour that parts are whole
+ * numbers of. MPI is called by one thread of a process at a time, and each call begins by setting them. */
 static int smg_mpi_me = 0, smg_mpi_size = 1, smg_mpi_parts = 1;
-static int64_t smg_mpi_part = 0, smg_mpi_of = 1;
+static int64_t smg_mpi_unit = SMG_WIDEST;
 
-SMG_INLINE int64_t smg_rank_part(void) { return smg_mpi_part; }
-SMG_INLINE int64_t smg_rank_parts(void) { return smg_mpi_of; }
-#define SMG_SHARED_BY_RANKS (smg_rank_parts() > 1)
+#define SMG_SHARED_BY_RANKS (smg_mpi_parts > 1)
 /* Colours are shared one by one: n of them from the k-th on, up to the last. */
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = 1; k < SMG_COLOURS; k += n)
+
+#if SMG_DIVIDED
+static inline int smg_may_divide(const smg_coefficients *c);
+static void smg_choose_sites(const smg_coefficients *c);
+#else
+#define smg_may_divide(c) 1
+#define smg_choose_sites(c) (void)0
+#endif
 
 /* The farthest that a site feels, in slots of its colour, and a vector more: some layers of the slowest direction. */
 static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
@@ -53,12 +61,34 @@ static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
   return slots + SMG_WIDEST;
 }
 
+static inline int smg_slowest(const smg_coefficients *c) {
+  int d = 3;
+  while (d > 0 && smg_cells(c, d) == 1) --d;
+  return d;
+}
+
+/* Slots of each colour in a layer of the slowest direction, of one direction alone 1; 0 where slots do not follow
+ * layers. */
+static inline int64_t smg_mpi_layer(const smg_coefficients *c) {
+  const int slowest = smg_slowest(c);
+  int64_t slots = slowest > 0 ? smg_row_length(c) : 1;
+  for (int d = 1; d < slowest; ++d) slots *= smg_cells(c, d);
+  return SMG_RANKS > 1 || (slowest == 1 && smg_plane_step(c, slots) > 1) ? 0 : slots;
+}
+
+/* So many layers that vectors begin with them, or vectors. */
+static inline int64_t smg_mpi_unit_of(int64_t layer) {
+  int64_t slots = layer > 0 ? layer : SMG_WIDEST;
+  while (slots % SMG_WIDEST > 0) slots += layer;
+  return slots;
+}
+
 /* Ranks that have parts: each no shorter than that, and worth its messages; one where sites of a colour feel each
- * other. */
+ * other, and where memory could not be divided. */
 static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
-  const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, far = slots / smg_mpi_reach(c),
-                most = worth < far ? worth : far;
-  return most <= 1 || smg_meet_at_seam(c) ? 1 : most < ranks ? most : ranks;
+  const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, unit = smg_mpi_unit,
+                far = slots / unit / ((smg_mpi_reach(c) + unit - 1) / unit), most = worth < far ? worth : far;
+  return most <= 1 || smg_meet_at_seam(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
 }
 
 /* Who shares the steps of this lattice? */
@@ -72,20 +102,29 @@ static void smg_choose_ranks(const smg_coefficients *c) {
     MPI_Comm_rank(SMG_MPI_COMM, &smg_mpi_me);
     MPI_Comm_size(SMG_MPI_COMM, &smg_mpi_size);
   }
+  smg_mpi_unit = smg_mpi_unit_of(smg_mpi_layer(c));
   smg_mpi_parts = (int)smg_mpi_fit(c, smg_mpi_size);
-  smg_mpi_part = smg_mpi_parts > 1 && smg_mpi_me < smg_mpi_parts ? smg_mpi_me : 0;
-  smg_mpi_of = smg_mpi_me < smg_mpi_parts || smg_mpi_parts == 1 ? smg_mpi_parts : SMG_MPI_NONE;
+  smg_choose_sites(c);
 }
 
-/* Where the slots of a rank begin in a colour, as smg_part_of cuts them; of ranks without a part, at its end. */
+/* Where the slots of a rank begin in a colour; of ranks without a part, at its end. */
 SMG_INLINE int64_t smg_mpi_from(const smg_coefficients *c, int64_t rank) {
-  return smg_colour_slots(c) / SMG_WIDEST * (rank < smg_mpi_parts ? rank : smg_mpi_parts) / smg_mpi_parts * SMG_WIDEST;
+  const int64_t slots = smg_colour_slots(c);
+  return rank < smg_mpi_parts ? slots / smg_mpi_unit * rank / smg_mpi_parts * smg_mpi_unit : slots;
 }
 
-/* The rank that has a slot: the last q with V q/n <= slot/8 for V vectors and n parts. */
+/* This rank's part of a colour, or of all where it has them all. */
+SMG_INLINE smg_share smg_part_of_rank(const smg_coefficients *c, smg_share all) {
+  const smg_share part = {all.from + smg_mpi_from(c, smg_mpi_me), all.from + smg_mpi_from(c, smg_mpi_me + 1)};
+  return smg_mpi_parts > 1 ? part : all;
+}
+
+/* The rank that has a slot: the last q with U q/n <= slot/unit for U units and n parts; slots that are no unit belong to
+ * the last one. */
 SMG_INLINE int smg_mpi_owner(const smg_coefficients *c, int64_t slot) {
-  const int64_t vectors = smg_colour_slots(c) / SMG_WIDEST, at = slot % smg_colour_slots(c) / SMG_WIDEST;
-  return (int)((smg_mpi_parts * (at + 1) + vectors - 1) / vectors - 1);
+  const int64_t units = smg_colour_slots(c) / smg_mpi_unit, unit = slot % smg_colour_slots(c) / smg_mpi_unit,
+                at = unit < units ? unit : units - 1;
+  return (int)((smg_mpi_parts * (at + 1) + units - 1) / units - 1);
 }
 
 /* The larger of two numbers of all ranks; what is not a number counts as infinite, so that all come to the same. */
@@ -124,38 +163,30 @@ static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t p
 
 /* w of all ranks. */
 static void smg_gather_rows(const smg_state *s) {
-  if (smg_mpi_parts > 1) smg_mpi_gather(&s->c, s->row_w, smg_pitch(&s->c), SMG_COLOURS);
+  if (smg_mpi_parts > 1 && !SMG_DIVIDED) smg_mpi_gather(&s->c, s->row_w, smg_pitch(&s->c), SMG_COLOURS);
 }
 
 /* What else a saved state has: of `history` increments, late numbers apart, there are all colours but the first. */
 static void smg_gather_saved(const smg_state *s, int history, int64_t late) {
+  if (SMG_DIVIDED) return;
   smg_choose_ranks(&s->c);
   if (smg_mpi_parts == 1) return;
   smg_mpi_gather(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS);
   for (int j = 0; j < history; ++j) smg_mpi_gather(&s->c, s->past[j], late, SMG_COLOURS - 1);
 }
 
-/* The increments of the k-th late slot, the newest and those before, from the rank that has them. */
-static void smg_share_sample(const smg_state *s, int64_t k, int64_t late) {
-  if (smg_mpi_parts == 1) return;
-  smg_real all[3 * (SMG_HISTORY + 1)] = {0};
-  const int owner = smg_mpi_owner(&s->c, k), n = s->history + 1;
-  for (int b = 0; b < 3; ++b) {
-    all[b * n] = s->row_late[b * late + k];
-    for (int j = 0; j < s->history; ++j) all[b * n + 1 + j] = s->past[j][b * late + k];
-  }
-  MPI_Bcast(all, 3 * n, SMG_MPI_REAL, owner, SMG_MPI_COMM);
-  for (int b = 0; b < 3; ++b) {
-    s->row_late[b * late + k] = all[b * n];
-    for (int j = 0; j < s->history; ++j) s->past[j][b * late + k] = all[b * n + 1 + j];
-  }
+/* Numbers of the k-th late slot, from the rank that has it. */
+static void smg_share_sample(const smg_coefficients *c, int64_t k, smg_real *all, int count) {
+  if (smg_mpi_parts > 1) MPI_Bcast(all, count, SMG_MPI_REAL, smg_mpi_owner(c, k), SMG_MPI_COMM);
 }
 
+#if SMG_DISTRIBUTED
+#include "smg_row_parts.h"
+#endif
 #include "smg_row_halo.h"
 
 #else
-SMG_INLINE int64_t smg_rank_part(void) { return 0; }
-SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
+#define smg_part_of_rank(c, all) (all)
 #define SMG_SHARED_BY_RANKS 0
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = SMG_COLOURS - k; k < SMG_COLOURS; k += n)
 #define smg_begin_ranks(s, known) (void)0
@@ -167,7 +198,7 @@ SMG_INLINE int64_t smg_rank_parts(void) { return 1; }
 #define smg_look_at_colour(colour) (void)0
 #define smg_await_colour(colour) (void)0
 #define smg_exchange_late() (void)0
-#define smg_share_sample(s, k, late) (void)0
+#define smg_share_sample(c, k, all, count) (void)0
 #define smg_gather_saved(s, history, late) (void)0
 #endif
 

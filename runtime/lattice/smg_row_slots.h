@@ -3,6 +3,7 @@
 #define SMG_ROW_SLOTS_H
 
 #include "smg_row_blocks.h"
+#include "smg_row_ranks.h"
 
 /* The first number from p on that begins a line of the cache. */
 static inline smg_real *smg_line_from(smg_real *p) {
@@ -13,6 +14,9 @@ static inline smg_real *smg_line_from(smg_real *p) {
 /* A visit of all sites: their number and their slot. */
 typedef void smg_slot_visit(void *context, int64_t site, int64_t slot);
 SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot_visit *visit) {
+#if SMG_DIVIDED
+  smg_each_own_slot(c, context, visit);
+#else
   const int64_t length = smg_row_length(c);
   smg_blocks blocks;
   if (smg_in_blocks(c, &blocks)) {
@@ -26,6 +30,7 @@ SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot
       const int64_t sites = at.sites, start = at.start;
       for (int64_t j = 0; j < sites; ++j) visit(context, site + SMG_ROW_STEP * SMG_PLACES * j, start + j);
     }
+#endif
 }
 
 #if SMG_SITE_VALUES

@@ -71,12 +71,24 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
+#if SMG_DIVIDED
+/* This rank's part of all arrays but that of w and midpoints. */
+static void smg_clear_rows(const smg_state *s) {
+  smg_forget_rows(s);
+  smg_clear_slots(&s->c, s->row_w, smg_pitch(&s->c), 0, SMG_COLOURS);
+  smg_clear_slots(&s->c, s->row_u, SMG_FIRST_PITCH(&s->c), 0, 1);
+  smg_clear_slots(&s->c, s->row_late, SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j)
+    smg_clear_slots(&s->c, s->past[j], SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
+}
+#endif
+
 /* What a saved state has; of the increments those of the first colour are 0. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
+  const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c), to = 3 * smg_own_to(&s->c);
   smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));
   smg_to_sites(s, s->row_compensation, lost);
-  smg_zero(past, SMG_HISTORY * n3);
+  for (int j = 0; j < SMG_HISTORY; ++j) smg_zero(past + j * n3 + from, to - from);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
     smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
     smg_each_slot(&s->c, &late, smg_slot_to_site);

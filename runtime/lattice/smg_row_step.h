@@ -48,15 +48,18 @@ static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, 
   return smg_slot_in_blocks(c, b, at.sub, cell);
 }
 
-/* What every degree would have missed in one slot, the k-th of all colours but the first, of the step just solved. */
+/* What every degree would have missed in one slot, the k-th of all colours but the first, of the step just solved: of
+ * each component its increments, the newest and those before. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
+  const int n = s->history + 1;
+  smg_real all[3 * (SMG_HISTORY + 1)];
   for (int b = 0; b < 3; ++b) {
     const int64_t at = b * SMG_LATE_PITCH(&s->c) + k;
-    smg_real row[SMG_HISTORY + 1];
-    row[0] = s->row_late[at];
-    for (int j = 0; j < s->history; ++j) row[j + 1] = s->past[j][at];
-    smg_add_misses(s->history, row, miss);
+    all[b * n] = s->row_late[at];
+    for (int j = 0; j < s->history; ++j) all[b * n + 1 + j] = s->past[j][at];
   }
+  smg_share_sample(&s->c, k, all, 3 * n);
+  for (int b = 0; b < 3; ++b) smg_add_misses(s->history, all + b * n, miss);
 }
 
 #define SMG_SAMPLE 20 /* slots, of which each has three numbers */
@@ -67,10 +70,8 @@ static void smg_choose_row_degree(smg_state *s) {
   smg_real miss[SMG_HISTORY] = {0};
   smg_blocks found;
   const smg_blocks *blocks = smg_blocks_of(s, &found);
-  for (int64_t k = 0; k < size; k += stride) {
-    smg_share_sample(s, k, SMG_LATE_PITCH(&s->c));
+  for (int64_t k = 0; k < size; k += stride)
     smg_row_misses(s, smg_slot_by_rows(&s->c, blocks, first + k) - first, miss);
-  }
   s->degree = s->history > 0 ? smg_best_degree(s->history, miss) : SMG_NO_DEGREE;
 }
 
@@ -93,7 +94,7 @@ static void smg_begin_rows(smg_state *s) {
     smg_go_on_rows(s, 1);
     smg_exchange_late();
   }
-  smg_begin_first_colour(s, smg_colours_from(&s->c, 0, 1));
+  smg_begin_first_colour(s, smg_share_of_rank(&s->c, 0, 1));
   s->row_due = 0;
 }
 

@@ -43,7 +43,7 @@ SMG_INLINE smg_share smg_colours_from(const smg_coefficients *c, int64_t colour,
   return all;
 }
 SMG_INLINE smg_share smg_share_of_rank(const smg_coefficients *c, int64_t colour, int64_t n) {
-  return smg_part_of(smg_colours_from(c, colour, n), smg_rank_part(), smg_rank_parts());
+  return smg_part_of_rank(c, smg_colours_from(c, colour, n));
 }
 SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }
 SMG_INLINE smg_share smg_share_of(const smg_coefficients *c, int64_t colour, int64_t n) {

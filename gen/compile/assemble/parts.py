@@ -4,6 +4,7 @@ from __future__ import annotations
 from .asked import Ensemble, PlainSums, Tangent
 from .axes import Axes
 from .composed import Composed
+from .distributed import Distributed
 from .few import FewInLanes
 from .held import Standing
 from .lane_sphere import MembersInLanes
@@ -21,4 +22,4 @@ from .wide import Extended
 
 FIRST = (Responses(), Standing(), Thermal())      # before bounds of the Hessian are found
 PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
-         Extended(), GradientsInLanes(), SiteNumbers(), Ensemble())
+         Extended(), GradientsInLanes(), SiteNumbers(), Ensemble(), Distributed())

@@ -6,7 +6,7 @@ loops of its own, over cells between which nothing changes.
 from __future__ import annotations
 
 from ..lower.code import Assign, At, Call, For, If, Let, Name, Scope, Unary, tidy
-from ..lower.integers import ZERO, Computed, Index, Int, total, whole
+from ..lower.integers import ZERO, Computed, Index, Int, times, total, whole
 from ..lower.loops import Loops
 
 FROM, HELD = Index("from"), Index("SMG_HELD")       # where a loop over held values begins; how many there may be
@@ -15,7 +15,7 @@ FROM, HELD = Index("from"), Index("SMG_HELD")       # where a loop over held val
 def value_sums(model) -> list:
     """[(kind, name of the term, statements that add up its values)] of the energies and observables."""
     terms = [("energy", *named) for named in model.sums.items()] + [("observe", t.derived.term.name, [t]) for t in model.observables]
-    loops = ValueLoops(model.low, model.loops.count)
+    loops = (DividedLoops if "distributed" in model.features else ValueLoops)(model.low, model.loops.count)
     return [(kind, name, tidy(line for t in parts for line in value_lines(model, loops, t))) for kind, name, parts in terms]
 
 
@@ -84,6 +84,29 @@ class ValueLoops(Loops):
         if d or not shift or shift not in self.turned:
             return super().moved(over, d, cell, shift, tests)
         return cell + shift - self.turned[shift] * self.low.size(over.size[0])
+
+
+class DividedLoops(ValueLoops):
+    """The same over the part of a rank (runtime/core/smg_own.h): its sites, or its layers of the slowest direction."""
+
+    def scatter_sites(self, over, body):
+        return tuple(divided(one, whole(1)) for one in super().scatter_sites(over, body))
+
+    def of_bonds(self, over, some, body):
+        found = super().of_bonds(over, some, body)
+        layer = times(over.sites, *(self.low.size(size) for size in over.size[:-1]))
+        return tuple(divided(one, layer) for one in found)
+
+
+def divided(line, per: Int):
+    """A loop over what a rank has of it, `per` sites each; within a test too."""
+    if isinstance(line, If):
+        return with_body(line, tuple(divided(one, per) for one in line.body))
+    return with_ends(line, Computed("smg_part_begin", (line.start, per)), Computed("smg_part_end", (line.end, per)))
+
+
+def with_ends(loop: For, start: Int, end: Int) -> For:
+    return type(loop)(**{**vars(loop), "start": start, "end": end})
 
 
 def turns(shifts, k: int) -> dict:

@@ -76,6 +76,8 @@ PUBLIC = (
     of(REAL, "energy", model=MODEL, t=REAL, w=CONST_REALS),
     of(VOID, "momentum", model=MODEL, w=CONST_REALS, out=REALS),
     of(VOID, "casimirs", model=MODEL, w=CONST_REALS, out=REALS),
+    of(VOID, "part", model=MODEL, **{"from": LONGS}, to=LONGS),
+    of(VOID, "save_part", s=CONST_STATE, **{"from": LONG}, to=LONG, out=REALS),
     of(SIZE, "tangent_memsize", model=MODEL),
     of(STATUS, "tangent", s=STATE, v=REALS, columns=LONG, mem=POINTER),
     of(SIZE, "ensemble_memsize", model=MODEL, own=INT, members=LONG),
@@ -97,6 +99,11 @@ FLAT = {
         of(VOID, "ensemble_states", e=POINTER, began=FLAGS, w=REALS),
         of(VOID, "ensemble_energies", e=POINTER, began=FLAGS, energy=REALS),
         of(VOID, "ensemble_free", e=POINTER),
+    ),
+    ("distributed",): (
+        of(VOID, "part_of", scalars=CONST_DOUBLES, arrays=ARRAYS, part=LONGS),
+        of(POINTER, "part_w", s=POINTER),
+        of(VOID, "part_save", s=POINTER, **{"from": LONG}, to=LONG, out=REALS),
     ),
     ("thermal",): (
         of(VOID, "set_seed", s=POINTER, seed=LONG, member=LONG),

@@ -1,0 +1,169 @@
+"""Ranks of MPI with memory of their own (runtime/lattice/smg_row_parts.h): the bits of one rank, and memory that falls with their number."""
+import re
+import subprocess
+
+import numpy as np
+import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
+from smidgen.errors import UsageError
+from smidgen.resources import include_flags
+from smidgen.run.step.start import initial_state
+from test_ranks import BATH, LONG, SMALL, mpirun, needs_mpi
+from test_rows import DM, EXCHANGE, FIELD, lattice
+
+# Numbers of other ranks are NaN wherever a rank is given some. Every rank writes its part of the saved state and of w into one file.
+MAIN = """
+#ifndef _DEFAULT_SOURCE
+#define _DEFAULT_SOURCE
+#endif
+#ifdef SMG_MPI
+#include <mpi.h>
+#endif
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include "{M}.h"
+
+static {M}_model model;
+static int64_t from, to, sites;
+
+static void *pages(size_t size) {{
+  void *mem = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  return mem == MAP_FAILED ? NULL : mem;
+}}
+
+static long resident(void) {{
+  long all, pages = 0;
+  FILE *f = fopen("/proc/self/statm", "r");
+  if (!f || fscanf(f, "%ld %ld", &all, &pages) != 2) return -1;
+  fclose(f);
+  return pages * sysconf(_SC_PAGESIZE);
+}}
+
+static int put(const char *name, const smg_real *all, int64_t first, int64_t n) {{
+  const int f = open(name, O_WRONLY | O_CREAT, 0666);
+  const ssize_t size = (ssize_t)(sizeof *all * (size_t)n);
+  return n > 0 && pwrite(f, all + first, (size_t)size, (off_t)(sizeof *all) * first) != size ? close(f) + 1 : close(f);
+}}
+
+/* One start in the whole, of which others are spoilt. */
+static smg_real *start(void) {{
+  smg_real *w = pages(3 * sizeof *w * (size_t)sites);
+  FILE *f = fopen("start.bin", "rb");
+  if (!f) return NULL;
+  for (int64_t k = 0; k < 3 * sites; ++k)
+    if (fread(w + k, sizeof *w, 1, f) != 1) return NULL;
+    else if (k < 3 * from || k >= 3 * to) w[k] = NAN;
+  fclose(f);
+  return w;
+}}
+
+static void say(const char *name, int rank, const {M}_state *s) {{
+  char file[99];
+  smg_real found[1 + 3] = {{{M}_energy(&model, (smg_real){M}_time(s), s->w)}};
+  {M}_momentum(&model, s->w, found + 1);
+  sprintf(file, "%s.said.%d", name, rank);
+  FILE *f = fopen(file, "ab");
+  fwrite(found, sizeof *found, 4, f);
+  fclose(f);
+}}
+
+int main(int argc, char **argv) {{
+  int rank = 0, status = 0;
+#ifdef SMG_MPI
+  MPI_Init(&argc, &argv);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+#endif
+  {M}_params p;
+  {M}_defaults(&p);
+  status += {M}_model_init(&model, &p);
+  {M}_part(&model, &from, &to);
+  sites = {M}_sites(&model);
+  const size_t size = {M}_savesize(&model);
+  smg_real *w = start(), *out = pages(size * sizeof *out), *again = pages(size * sizeof *again);
+  void *mem = pages({M}_memsize(&model));
+  {M}_state s;
+  const int64_t n3 = 3 * sites, head = (int64_t)size - n3 * ((int64_t)size / n3), arrays = (int64_t)size / n3;
+  status += {M}_init(&s, &model, mem, w, 0, 0.1);
+  say(argv[1], rank, &s);
+  status += {M}_steps(&s, 5);
+  say(argv[1], rank, &s);
+  /* saved layer by layer, and restored where nothing else is known */
+  for (int64_t k = from; k < to; k += to - k > 7 ? 7 : to - k) {M}_save_part(&s, k, to - k > 7 ? k + 7 : to, out);
+  for (int64_t k = 0; k < (int64_t)size; ++k) again[k] = k < head ? out[k] : NAN;
+  for (int64_t a = 0; a < arrays; ++a)
+    memcpy(again + head + a * n3 + 3 * from, out + head + a * n3 + 3 * from, (size_t)(3 * (to - from)) * sizeof *out);
+  status += {M}_init(&s, &model, mem, w, 0, 0.1);
+  status += {M}_restore(&s, again);
+  say(argv[1], rank, &s);
+  for (int k = 0; k < 7; ++k) status += {M}_step(&s);
+  status += {M}_steps(&s, 8);
+  for (int64_t k = 0; k < n3; ++k) w[k] = k < 3 * from || k >= 3 * to ? NAN : -s.w[k];
+  status += {M}_set_state(&s, w);
+  status += {M}_steps(&s, 6);
+  say(argv[1], rank, &s);
+  /* refused by one rank, it is by all, and the state goes on */
+  if (from == 0) w[1] = NAN;
+  status += {M}_set_state(&s, w) != SMG_NOT_FINITE || s.report.site != 0;
+  status += {M}_steps(&s, 1);
+  {M}_save(&s, out);
+  if (from == 0) status += put(argv[1], out, 0, head);
+  for (int64_t a = 0; a < arrays; ++a) status += put(argv[1], out, head + a * n3 + 3 * from, 3 * (to - from));
+  fprintf(stderr, "rank %d: %lld to %lld\\n", rank, (long long)from, (long long)to);
+#ifdef SMG_MPI
+  MPI_Finalize();
+#endif
+  return status != 0;
+}}
+"""
+
+
+def programs(where, spec, *more, main=MAIN, right="", wrong=""):
+    """serial and shared in `where`, with a start; with one line of the runtime wrong."""
+    for file, text in generate(spec, amalgamate=True, features=("distributed",)).items():
+        assert right in text or not file.endswith(f"{spec.name}.c")
+        (where / file).write_text(text.replace(right, wrong) if right else text)
+    (where / "main.c").write_text(main.format(M=spec.name))
+    initial_state(spec, "random").astype(float).tofile(where / "start.bin")
+    words = ["-std=c11", "-O0", "-Wno-psabi", "-ffp-contract=off", "-fno-math-errno", *more, *include_flags(), "-I.", "main.c", f"{spec.name}.c", "-o"]
+    subprocess.run(["gcc", *words, "serial", "-lm"], cwd=where, check=True)
+    subprocess.run(["mpicc", "-DSMG_MPI", "-D_DEFAULT_SOURCE", *words, "shared", "-lm"], cwd=where, check=True)
+
+
+def agree(where, n, sites, divided=None) -> bool:
+    """Do n ranks come to the bits of one? They have different sites, all of them, where the lattice is divided."""
+    if not (where / "serial.bin").exists():
+        subprocess.run(["./serial", "serial.bin"], cwd=where, check=True)
+    said = mpirun(n, "./shared", f"of{n}", cwd=where, OMP_WAIT_POLICY="passive")
+    assert said.returncode == 0, said.stderr
+    parts = sorted(tuple(map(int, found)) for found in re.findall(r"rank \d+: (\d+) to (\d+)", said.stderr))
+    assert parts[0][0] == 0 and parts[-1][1] == sites and sum(to > from_ for from_, to in parts) == (divided or n)
+    assert all(to == from_ for (_, to), (from_, _) in zip(parts, parts[1:]))
+    wanted = (where / "serial.bin.said.0").read_bytes()
+    return (where / f"of{n}").read_bytes() == (where / "serial.bin").read_bytes() and all((where / f"of{n}.said.{k}").read_bytes() == wanted for k in range(n))
+
+
+CASES = {
+    "long cubic": (LONG["long cubic"], (2, 3, 4)),
+    "open cubic": (lattice("open_cubic", "cubic(6, 4, n, open)", 30, "24*n", EXCHANGE + DM + FIELD), (2, 4)),
+    "damped": (LONG["damped cubic"], (3,)),
+    "warm": (LONG["warm cubic"], (3,)),
+    "ring of 600": (LONG["ring of 600"], (2, 4)),
+    "honeycomb": (LONG["long honeycomb"], (3,)),
+    "three colours": (LONG["three colours along"], (2,)),
+    "four dimensions": (LONG["long in four dimensions"], (4,)),
+    "in time, by site": (LONG["in time, by site"], (2,))}
+
+
+@needs_mpi
+@pytest.mark.parametrize("name", [n if n == "long cubic" else pytest.param(n, marks=pytest.mark.long) for n in CASES])
+def test_divided_ranks_have_the_bits_of_one(tmp_path, name):
+    """Steps, energies, momenta, saved and restored states: no rank reads what it was not given, which is NaN."""
+    spec, counts = CASES[name]
+    programs(tmp_path, spec, *SMALL)
+    sites = len(initial_state(spec, "random"))
+    assert [agree(tmp_path, n, sites) for n in counts] == [True] * len(counts)
