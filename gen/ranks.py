@@ -123,6 +123,19 @@ def on_first(work: Callable[[], object], send: bool = True):
     return value if world.rank == 0 else other
 
 
+def on_all(work: Callable[[], object]):
+    """What work() gives on each rank. The exception of one is raised by all, and they go on together."""
+    value, error = None, None
+    try:
+        value = work()
+    except (SmidgenError, OSError) as problem:
+        error = problem
+    found = [error] if world is None else world.comm.allgather(portable(error))
+    if (first_of := next((one for one in found if one is not None), None)) is not None:
+        raise first_of
+    return value
+
+
 def portable(error):
     """The exception, or one of its base with the same words where it cannot be sent."""
     try:

@@ -17,4 +17,4 @@ def mpi_compiler(compiler: tuple[str, ...]) -> tuple[str, ...]:
     if path is None:
         raise MissingTool(f"running on several ranks requires {words[0]}, the MPI compiler: install it (on Debian: apt-get install libopenmpi-dev openmpi-bin), or set MPICC")
     program, *options = compiler
-    return ("/usr/bin/env", f"OMPI_CC={program}", f"MPICH_CC={program}", path, *words[1:], *options, "-DSMG_MPI")
+    return ("/usr/bin/env", f"OMPI_CC={program}", f"MPICH_CC={program}", path, *words[1:], *options, "-DSMG_MPI", "-D_DEFAULT_SOURCE")

@@ -38,6 +38,7 @@ def add(commands):
     parser.add_argument("--out", metavar="FILE", help="the result file: .csv, .npz or .h5, or - for a table on stdout")
     parser.add_argument("--repeat", metavar="FILE", help="repeat the run that wrote FILE")
     run_option(parser, "checkpoint")
+    parser.add_argument("--distributed", action="store_true", help="with mpirun: each rank stores and writes only its own part of the lattice (--out result.h5)")
     parser.add_argument("--resume", metavar="FILE", help="continue the interrupted run that wrote checkpoints for FILE")
     run_option(parser, "tolerance")
     one = parser.add_mutually_exclusive_group()
@@ -107,6 +108,9 @@ def go(args, out):
     settings = settle(spec, name, **given)
     warn_of_jumps(spec, settings)
     with progress(settings.steps, spec.name) as tick:
+        if args.distributed:
+            from ..run.distributed import run_distributed
+            return run_distributed(spec, name, out, tick, **given)
         return run(spec, name, out=out, keep=False, progress=tick, **given)
 
 
@@ -126,6 +130,10 @@ def go_on(args):
     if args.spec is not None or args.repeat is not None or args.out is not None:
         raise UsageError("--resume takes all settings from the file: omit SPEC, --out and --repeat")
     refuse_choices(args, "--resume continues a run unchanged and can be combined with --json only")
+    if ranks.on_first(lambda: Path(f"{args.resume}.distributed").is_dir()):
+        from ..run.distributed import resume_distributed
+        args.out = args.resume
+        return resume_distributed(args.resume)
     meta = ranks.on_first(lambda: saved_run(args.resume))
     args.out, args.complete = args.resume, meta.get("status") == "complete"
     with progress(meta["steps"], meta["spec"]) as tick:

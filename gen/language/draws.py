@@ -51,9 +51,9 @@ def normal(seed, *sites) -> np.ndarray:
     return polar(np.sqrt(minus_two_log(x[0])), x[1])[0]
 
 
-def directions(seed: int, family: int, count: int, member: int = 0) -> np.ndarray:
-    """Random unit vectors, (count, 3), alike in all directions: of three normal numbers."""
-    x = words(seed, family, np.arange(count), START, member)
+def directions(seed: int, family: int, count: int, member: int = 0, first: int = 0) -> np.ndarray:
+    """Random unit vectors, (count, 3), alike in all directions: of three normal numbers. first: the site of the first of them."""
+    x = words(seed, family, np.arange(first, first + count), START, member)
     v = np.stack([*polar(np.sqrt(minus_two_log(x[0])), x[1]), polar(np.sqrt(minus_two_log(x[2])), x[3])[0]], axis=1)
     return v / np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2])[:, None]
 

@@ -69,10 +69,10 @@ def all_positions(spec: Spec, counts: dict, values: dict):
     return np.concatenate([np.full((count, 3), np.nan) if found[name] is None else found[name] for name, count in counts.items()])
 
 
-def on_lattice(over: Lattice, values: dict) -> np.ndarray:
-    """Site s of cell (c0, c1, ..) at c0 a0 + c1 a1 + .. and the fractions of s."""
+def on_lattice(over: Lattice, values: dict, first: int = 0, end: int | None = None) -> np.ndarray:
+    """Site s of cell (c0, c1, ..) at c0 a0 + c1 a1 + .. and the fractions of s, of the cells from first to end - 1."""
     size = [integer(e, values, "the size of a lattice") for e in over.size]
-    cells = np.indices(size[::-1]).reshape(len(size), -1)[::-1].T
+    cells = np.stack(np.unravel_index(np.arange(first, np.prod(size, dtype=np.int64) if end is None else end), size[::-1])[::-1], axis=-1)
     vectors = np.array(over.places.vectors, float)
     return (np.repeat(cells @ vectors[:len(size)], over.sites, axis=0) + np.tile(within_cell(over), (len(cells), 1)))
 

@@ -66,6 +66,12 @@
 #ifndef SMG_SITE_VALUES
 #define SMG_SITE_VALUES 0
 #endif
+#ifndef SMG_SLOWEST
+#define SMG_SLOWEST 0
+#endif
+#ifndef SMG_PARTS_REACH
+#define SMG_PARTS_REACH 0
+#endif
 #ifndef SMG_REACH_1
 #define SMG_REACH_1 0
 #endif

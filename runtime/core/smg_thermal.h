@@ -80,6 +80,7 @@ static void smg_heat(smg_state *s, int64_t step, int half) {
 #else
   smg_heat_share(s, step, half, 0, 1);
 #endif
+  smg_share_ends(&s->c, s->w);
   smg_forget_history(s);
   smg_forget_compensation(s);
 }

@@ -82,6 +82,15 @@ static void smg_release_other(const smg_state *s) {
   if (smg_mpi_parts > 1) smg_advise(s->w, smg_array_size(&s->c), 4096, MADV_DONTNEED);
 }
 
+/* Numbers that are 0 already are not touched. */
+static void smg_zero_again(smg_real *first, int64_t numbers) {
+  static const smg_real none[512] = {0};
+  for (int64_t n, k = 0; k < numbers; k += n) {
+    n = numbers - k < 512 ? numbers - k : 512;
+    if (memcmp(first + k, none, sizeof none[0] * (size_t)n)) smg_zero(first + k, n);
+  }
+}
+
 /* This rank's slots of an array, 0; those of the colours from one on alone, where it has no others. */
 static void smg_clear_slots(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colour, int64_t end) {
   for (const int64_t first = colour * smg_colour_slots(c); colour < end; ++colour) {
@@ -90,7 +99,7 @@ static void smg_clear_slots(const smg_coefficients *c, smg_real *array, int64_t 
     for (int k = 0; k < 3; ++k) {
       smg_real *slots = array + k * pitch + part.from - first;
       smg_advise(slots, part.to - part.from, (uintptr_t)1 << 21, MADV_HUGEPAGE);
-      smg_zero(slots, part.to - part.from);
+      smg_zero_again(slots, part.to - part.from);
     }
   }
 }

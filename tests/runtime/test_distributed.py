@@ -2,7 +2,6 @@
 import re
 import subprocess
 
-import numpy as np
 import pytest
 import smidgen
 from smidgen.compile.emit.emit import generate
@@ -134,15 +133,15 @@ def programs(where, spec, *more, main=MAIN, right="", wrong=""):
     subprocess.run(["mpicc", "-DSMG_MPI", "-D_DEFAULT_SOURCE", *words, "shared", "-lm"], cwd=where, check=True)
 
 
-def agree(where, n, sites, divided=None) -> bool:
-    """Do n ranks come to the bits of one? They have different sites, all of them, where the lattice is divided."""
+def agree(where, n, sites, divided=True) -> bool:
+    """Do n ranks come to the bits of one? Each site belongs to one of them, or all of them to each."""
     if not (where / "serial.bin").exists():
         subprocess.run(["./serial", "serial.bin"], cwd=where, check=True)
     said = mpirun(n, "./shared", f"of{n}", cwd=where, OMP_WAIT_POLICY="passive")
     assert said.returncode == 0, said.stderr
     parts = sorted(tuple(map(int, found)) for found in re.findall(r"rank \d+: (\d+) to (\d+)", said.stderr))
-    assert parts[0][0] == 0 and parts[-1][1] == sites and sum(to > from_ for from_, to in parts) == (divided or n)
-    assert all(to == from_ for (_, to), (from_, _) in zip(parts, parts[1:]))
+    assert parts[0][0] == 0 and parts[-1][1] == sites and all(to > from_ for from_, to in parts)
+    assert all(to == from_ for (_, to), (from_, _) in zip(parts, parts[1:])) if divided else set(parts) == {(0, sites)}
     wanted = (where / "serial.bin.said.0").read_bytes()
     return (where / f"of{n}").read_bytes() == (where / "serial.bin").read_bytes() and all((where / f"of{n}.said.{k}").read_bytes() == wanted for k in range(n))
 
@@ -154,7 +153,6 @@ CASES = {
     "warm": (LONG["warm cubic"], (3,)),
     "ring of 600": (LONG["ring of 600"], (2, 4)),
     "honeycomb": (LONG["long honeycomb"], (3,)),
-    "three colours": (LONG["three colours along"], (2,)),
     "four dimensions": (LONG["long in four dimensions"], (4,)),
     "in time, by site": (LONG["in time, by site"], (2,))}
 
@@ -167,3 +165,87 @@ def test_divided_ranks_have_the_bits_of_one(tmp_path, name):
     programs(tmp_path, spec, *SMALL)
     sites = len(initial_state(spec, "random"))
     assert [agree(tmp_path, n, sites) for n in counts] == [True] * len(counts)
+
+
+@needs_mpi
+@pytest.mark.long
+def test_what_cannot_be_divided_each_rank_has(tmp_path):
+    """Rows of a small plane follow each other by colours, not by layers."""
+    programs(tmp_path, LONG["three colours along"], *SMALL)
+    assert agree(tmp_path, 2, 287, divided=False)
+
+
+@needs_mpi
+@pytest.mark.long
+@pytest.mark.parametrize("right, wrong", [("(smg_own.from > 0 ? smg_own.from : all) - far", "smg_own.from"), ("at < from ? array + from", "at < from ? k"), ("for (int64_t s0 = x; s0 < x +", "for (int64_t s0 = x + 1; s0 < x +")],
+                         ids=["the sites before", "numbers of others", "half of a row"])
+def test_a_fault_is_seen(tmp_path, right, wrong):
+    programs(tmp_path, CASES["long cubic"][0], *SMALL, right=right, wrong=wrong)
+    with pytest.raises(AssertionError):
+        assert agree(tmp_path, 3, 384)
+
+
+MEMORY = MAIN[:MAIN.index("/* One start")] + """
+/* Memory for the state alone, in bytes, after some steps. */
+int main(int argc, char **argv) {{
+  int rank = 0, status = 0;
+  (void)put, (void)argv, (void)argc;
+#ifdef SMG_MPI
+  MPI_Init(&argc, &argv);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Barrier(MPI_COMM_WORLD);
+#endif
+  {M}_params p;
+  {M}_defaults(&p);
+  status += {M}_model_init(&model, &p);
+  {M}_part(&model, &from, &to);
+  sites = {M}_sites(&model);
+  const long before = resident();
+  void *mem = pages({M}_memsize(&model));
+  smg_real *w = pages(3 * sizeof *w * (size_t)sites);
+  for (int64_t k = from; k < to; ++k) w[3 * k + k % 3] = 1;
+  {M}_state s;
+  status += {M}_init(&s, &model, mem, w, 0, 0.02);
+  munmap(w, 3 * sizeof *w * (size_t)sites);
+  for (int k = 0; k < 3; ++k) status += {M}_steps(&s, 3);
+  (void){M}_energy(&model, 0, s.w);
+  fprintf(stderr, "rank %d: %ld more\n", rank, resident() - before);
+#ifdef SMG_MPI
+  MPI_Finalize();
+#endif
+  return status != 0;
+}}
+"""
+
+
+def memory(said) -> list:
+    return sorted(int(found) for found in re.findall(r"rank \d+: (\d+) more", said.stderr))
+
+
+@needs_mpi
+@pytest.mark.long
+def test_memory_is_divided(tmp_path):
+    """160 bytes a spin in all, and what pages and messages take; without it each rank has them all."""
+    spec, sites = lattice("large", "cubic(32, 32, n, periodic)", 400, "1024*n", EXCHANGE + FIELD), 1024 * 400
+    programs(tmp_path, spec, "-O1", main=MEMORY)
+    one, = memory(subprocess.run(["./serial"], cwd=tmp_path, check=True, capture_output=True, text=True))
+    all_ = memory(mpirun(4, "./shared", cwd=tmp_path, OMP_WAIT_POLICY="passive"))
+    assert 150 * sites < one < 170 * sites
+    assert len(all_) == 4 and all_[-1] < 0.32 * one and sum(all_) < 1.2 * one
+
+
+@needs_mpi
+@pytest.mark.long
+def test_memory_that_is_touched_is_seen(tmp_path):
+    spec = lattice("large", "cubic(32, 32, n, periodic)", 400, "1024*n", EXCHANGE + FIELD)
+    programs(tmp_path, spec, "-O1", main=MEMORY, right="if (smg_is_divided()) smg_clear_rows(s);", wrong="if (0) smg_clear_rows(s);")
+    all_ = memory(mpirun(4, "./shared", cwd=tmp_path, OMP_WAIT_POLICY="passive"))
+    assert len(all_) == 4 and all_[0] > 100 * 1024 * 400
+
+
+def test_models_that_cannot_be_divided_are_refused():
+    with pytest.raises(UsageError, match="feature distributed: only lattices processed by rows"):
+        generate(smidgen.load("point_vortices"), features=("distributed",))
+    far = lattice("twice", "chain(n, periodic, 2)", 900, "n")
+    with pytest.raises(UsageError, match="on a chain it must be over one kind of bond"):
+        generate(far, features=("distributed",))

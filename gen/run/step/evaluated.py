@@ -178,17 +178,17 @@ def _array(p: Parameter, value, is_default, env):
     return array
 
 
-def per_site(expr, env, count):
-    """A formula in the site's index i, at i = 0 .. count-1."""
-    value = evaluate(expr, {**env, "i": np.arange(count)})
+def per_site(expr, env, count, first=0):
+    """A formula in the site's index i, at `count` sites from the first on."""
+    value = evaluate(expr, {**env, "i": np.arange(first, first + count)})
     return np.array(np.broadcast_to(value, (count,)))
 
 
-def radius(family: Family, env, count):
-    """Of every site of a family, shape (count,); nan where it is no sphere."""
+def radius(family: Family, env, count, first=0):
+    """Of `count` sites of a family, shape (count,); nan where it is no sphere."""
     if family.kind != "sphere":
         return np.full(count, np.nan)
-    r = np.ones(count) if family.radius is None else per_site(family.radius, env, count)
+    r = np.ones(count) if family.radius is None else per_site(family.radius, env, count, first)
     if not np.all(np.isfinite(r) & (r > 0)):
         raise UsageError(f"the radius of '{family.name}' must be positive and finite")
     return r

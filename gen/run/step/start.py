@@ -41,7 +41,7 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     when the shape is wrong, a number is not finite or a point is off its sphere by more
     than 1e-12 of the radius (unless the start says normalise).
     """
-    spec, env = numbers.spec, numbers.values
+    spec = numbers.spec
     start = find_start(spec, start)
     given = {s.family: s for s in start.families}
     if seed is not None and all(s.kind != "random" for s in start.families) and not spec.heated:
@@ -50,10 +50,20 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     for number, family in enumerate(spec.families):
         if family.name not in given:
             raise UsageError(f"start '{start.name}' does not give '{family.name}'")
-        one, count = given[family.name], numbers.places[family.name][1]
-        w = _vectors(spec, family, number, one, env, count, seed)
-        parts.append(_on_manifold(family, one, w, radius(family, env, count)))
+        parts.append(_of_family(numbers, number, given[family.name], (0, numbers.places[family.name][1]), seed))
     return put_away(numbers, np.concatenate(parts))
+
+
+def part_of_state(numbers: Evaluated, start: str | Start | None, seed: int | None, first: int, count: int) -> np.ndarray:
+    """Some sites of the state at a start of a spec with one family, shape (count, 3); absent sites stand as the start has them."""
+    return _of_family(numbers, 0, find_start(numbers.spec, start).families[0], (first, count), seed)
+
+
+def _of_family(numbers: Evaluated, number: int, one: FamilyStart, sites, seed):
+    """The vectors of some sites of the family of this number, (the first, how many), on its spheres."""
+    family, (first, count) = numbers.spec.families[number], sites
+    w = _vectors(numbers, number, one, first, count, seed)
+    return _on_manifold(family, one, w, radius(family, numbers.values, count, first))
 
 
 def put_away(numbers: Evaluated, w: np.ndarray) -> np.ndarray:
@@ -110,36 +120,42 @@ def wrong_site(w, radii) -> str:
     return f"site {site}: |w| = {length[site]:.15g}, but its sphere has radius {radii[site]:.15g}"
 
 
-def _vectors(spec, family, number, one: FamilyStart, env, count, seed):
-    if one.kind == "vectors":
-        w = np.array(one.value, dtype=float)
-    elif one.kind == "formula":
-        w = np.stack([per_site(e, env, count) for e in one.value], axis=-1)
+def _vectors(numbers: Evaluated, number: int, one: FamilyStart, first: int, count: int, seed):
+    family, env = numbers.spec.families[number], numbers.values
+    if one.kind == "formula":
+        w = np.stack([per_site(e, env, count, first) for e in one.value], axis=-1)
     elif one.kind == "random":
         chosen = one.value if seed is None else seed
-        w = _random_directions(chosen, number, count) * _scale(family, env, count)
+        w = _random_directions(chosen, number, first, count) * _scale(family, env, count, first)
     else:
-        w = _table(spec, str(one.value))
-    if w.shape != (count, 3):
-        raise UsageError(f"the start of '{family.name}' has shape {w.shape}, "
-                             f"but its {count} sites need ({count}, 3)")
+        w = _listed(numbers, number, one, first, count)
     if not np.all(np.isfinite(w)):
-        site = np.flatnonzero(~np.isfinite(w).all(axis=1))[0]
+        site = first + np.flatnonzero(~np.isfinite(w).all(axis=1))[0]
         raise UsageError(f"the start of '{family.name}' is not finite at site {site}")
     return w
 
 
-def _random_directions(seed, number, count):
+def _listed(numbers: Evaluated, number: int, one: FamilyStart, first: int, count: int) -> np.ndarray:
+    """Some vectors of a list, or of a table in a file."""
+    name, all_ = numbers.spec.families[number].name, numbers.places[numbers.spec.families[number].name][1]
+    w = np.array(one.value, dtype=float) if one.kind == "vectors" else _table(numbers.spec, str(one.value))
+    if w.shape != (all_, 3):
+        raise UsageError(f"the start of '{name}' has shape {w.shape}, "
+                             f"but its {all_} sites need ({all_}, 3)")
+    return w[first:first + count]
+
+
+def _random_directions(seed, number, first, count):
     """Uniform on the unit sphere."""
     if not isinstance(seed, (int, np.integer)) or seed < 0:
         raise UsageError(f"a seed must be a non-negative integer, not {seed!r}")
     if seed >= SEEDS:
         raise UsageError(f"a seed must be at most {SEEDS - 1}, not {seed}")
-    return draws.directions(np.uint64(seed), number, count)
+    return draws.directions(np.uint64(seed), number, count, first=first)
 
 
-def _scale(family, env, count):
-    return radius(family, env, count)[:, None] if family.kind == "sphere" else 1.0
+def _scale(family, env, count, first):
+    return radius(family, env, count, first)[:, None] if family.kind == "sphere" else 1.0
 
 
 def _table(spec, name):
