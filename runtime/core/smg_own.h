@@ -7,7 +7,7 @@
 #include "smg_arrays.h"
 
 #if SMG_DISTRIBUTED && defined(SMG_MPI)
-#define SMG_DIVIDED 1
+#define SMG_IN_PARTS 1
 static struct {
   int64_t from, to;
 } smg_own;
@@ -29,7 +29,7 @@ static size_t smg_next_saved(const smg_coefficients *c, size_t k, size_t head);
 #define smg_choose_own(c) smg_choose_ranks(c)
 #define smg_largest_of_all(a) smg_largest_of_ranks(a, a)
 #else
-#define SMG_DIVIDED 0
+#define SMG_IN_PARTS 0
 #define smg_own_from(c) 0
 #define smg_own_to(c) smg_sites(c)
 #define smg_part_begin(start, per) (start)

@@ -55,7 +55,7 @@ static inline size_t smg_place_array(smg_real **array, smg_real *mem, size_t use
 /* What a lattice by rows answers; defined by smg_row_state.h, or the smg_*_state.h of an explicit method: does it go by
  * rows (s->rows)? Its tables; what its steps have lost to rounding, forgotten, saved and restored. */
 static inline void smg_choose_rows(smg_state *s);
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
 static void smg_clear_rows(const smg_state *s);
 #endif
 static inline void smg_make_tables(smg_state *s);
@@ -193,7 +193,7 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   s->row_kept = 0;
 #endif
   const size_t used = smg_layout(s, mem);
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
   if (smg_is_divided()) smg_clear_rows(s);
   else
 #endif
@@ -209,7 +209,7 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
 
 /* Steps of divided memory go by rows, or not at all. */
 static inline int smg_may_begin(smg_state *s) {
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
   smg_set_size(s, smg_signed_h(s->h));
   smg_choose_rows(s);
   return s->rows || !smg_is_divided();

@@ -56,7 +56,7 @@ static inline smg_real smg_sum_of(smg_sum *s) {
 }
 
 /* Of the sites of all ranks, where they divide them (smg_row_parts.h). */
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
 static void smg_sum_go_on(smg_sum *s);
 static smg_real smg_sum_of_ranks(smg_sum *s);
 #else

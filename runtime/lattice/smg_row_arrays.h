@@ -45,7 +45,7 @@ static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
 
 /* Nothing is lost to rounding: in empty slots nothing ever is. */
 static inline void smg_forget_rows(const smg_state *s) {
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
   smg_clear_slots(&s->c, s->row_compensation, smg_pitch(&s->c), 0, SMG_COLOURS);
 #else
   const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);

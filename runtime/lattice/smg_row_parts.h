@@ -11,7 +11,7 @@
 #include "smg_own.h"
 #include "smg_row_ranks.h"
 
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif

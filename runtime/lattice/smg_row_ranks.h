@@ -42,7 +42,7 @@ static int64_t smg_mpi_unit = SMG_WIDEST;
 /* Colours are shared one by one: n of them from the k-th on, up to the last. */
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = 1; k < SMG_COLOURS; k += n)
 
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
 static inline int smg_may_divide(const smg_coefficients *c);
 static void smg_choose_sites(const smg_coefficients *c);
 #else
@@ -163,12 +163,12 @@ static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t p
 
 /* w of all ranks. */
 static void smg_gather_rows(const smg_state *s) {
-  if (smg_mpi_parts > 1 && !SMG_DIVIDED) smg_mpi_gather(&s->c, s->row_w, smg_pitch(&s->c), SMG_COLOURS);
+  if (smg_mpi_parts > 1 && !SMG_IN_PARTS) smg_mpi_gather(&s->c, s->row_w, smg_pitch(&s->c), SMG_COLOURS);
 }
 
 /* What else a saved state has: of `history` increments, late numbers apart, there are all colours but the first. */
 static void smg_gather_saved(const smg_state *s, int history, int64_t late) {
-  if (SMG_DIVIDED) return;
+  if (SMG_IN_PARTS) return;
   smg_choose_ranks(&s->c);
   if (smg_mpi_parts == 1) return;
   smg_mpi_gather(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS);

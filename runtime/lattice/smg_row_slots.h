@@ -14,7 +14,7 @@ static inline smg_real *smg_line_from(smg_real *p) {
 /* A visit of all sites: their number and their slot. */
 typedef void smg_slot_visit(void *context, int64_t site, int64_t slot);
 SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot_visit *visit) {
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
   smg_each_own_slot(c, context, visit);
 #else
   const int64_t length = smg_row_length(c);

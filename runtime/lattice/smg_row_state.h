@@ -71,7 +71,7 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
-#if SMG_DIVIDED
+#if SMG_IN_PARTS
 /* This rank's part of all arrays but that of w and midpoints. */
 static void smg_clear_rows(const smg_state *s) {
   smg_forget_rows(s);
