@@ -1,6 +1,6 @@
-/* smidgen runtime: the sites that this process has, from <= k < to: all of them, unless ranks of MPI divide the memory of
- * a model (SMG_DISTRIBUTED, -DSMG_MPI; smg_row_parts.h). Of all other sites nothing is known then, but of those that
- * terms of its own sites reach. */
+/* smidgen runtime: the sites that this process has, from <= k < to: all of them, unless ranks of MPI divide the memory
+ * of a model (SMG_DISTRIBUTED, -DSMG_MPI; smg_row_parts.h). Of all other sites nothing is known then, but of those
+ * that terms of its own sites reach. */
 #ifndef SMG_OWN_H
 #define SMG_OWN_H
 

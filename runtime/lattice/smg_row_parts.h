@@ -3,8 +3,8 @@
  *
  * Addresses are those of one rank, and so are indices, code and bits: memory that nothing touches is none, as systems
  * give it page by page. Parts are layers of the slowest direction, so that the slots of a rank hold a run of sites,
- * smg_own. Between calls w has those sites, and as many before and after them as terms reach (SMG_PARTS_REACH layers). Sums go
- * from rank to rank in the order of the sites, to the bits of one rank. */
+ * smg_own. Between calls w has those sites, and as many before and after them as terms reach (SMG_PARTS_REACH layers).
+ * Sums go from rank to rank in the order of the sites, to the bits of one rank. */
 #ifndef SMG_ROW_PARTS_H
 #define SMG_ROW_PARTS_H
 
@@ -40,7 +40,7 @@ static void smg_choose_sites(const smg_coefficients *c) {
   smg_own.to = smg_mpi_parts > 1 ? smg_first_site(c, smg_mpi_me + 1) : smg_sites(c);
 }
 
-/* A visit of the cells of one row from x on, before the end-th: all places, and of each what there is of every colour. */
+/* A visit of the cells of one row from x on, before the end-th: all places, of each what there is of every colour. */
 SMG_INLINE void smg_each_of_row(const smg_coefficients *c, int64_t row, int64_t x, int64_t end, void *context,
                                 void (*visit)(void *context, int64_t site, int64_t slot)) {
   const int64_t n1 = smg_cells(c, 1), n2 = smg_cells(c, 2), s1 = row % n1, s2 = row / n1 % n2, s3 = row / n1 / n2,

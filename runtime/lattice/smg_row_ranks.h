@@ -119,8 +119,8 @@ SMG_INLINE smg_share smg_part_of_rank(const smg_coefficients *c, smg_share all) 
   return smg_mpi_parts > 1 ? part : all;
 }
 
-/* The rank that has a slot: the last q with U q/n <= slot/unit for U units and n parts; slots that are no unit belong to
- * the last one. */
+/* The rank that has a slot: the last q with U q/n <= slot/unit for U units and n parts; slots that are no unit belong
+ * to the last one. */
 SMG_INLINE int smg_mpi_owner(const smg_coefficients *c, int64_t slot) {
   const int64_t units = smg_colour_slots(c) / smg_mpi_unit, unit = slot % smg_colour_slots(c) / smg_mpi_unit,
                 at = unit < units ? unit : units - 1;

@@ -209,7 +209,7 @@ int main(int argc, char **argv) {{
   munmap(w, 3 * sizeof *w * (size_t)sites);
   for (int k = 0; k < 3; ++k) status += {M}_steps(&s, 3);
   (void){M}_energy(&model, 0, s.w);
-  fprintf(stderr, "rank %d: %ld more\n", rank, resident() - before);
+  fprintf(stderr, "rank %d: %ld more\\n", rank, resident() - before);
 #ifdef SMG_MPI
   MPI_Finalize();
 #endif
