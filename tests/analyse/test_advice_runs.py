@@ -113,7 +113,7 @@ def test_a_motion_that_ends_is_told():
     """On an open leaf this one leaves for infinity at t = 5.3: no step completes the run, and the advice says so."""
     found = advise(load_text(text(4)), time=200)
     assert not found.completes and 0 < found.failing < 200
-    assert any("may not be completed" in line for line in found.words())
+    assert any("may not finish" in line for line in found.words())
 
 
 # -- H that depends on time -----------------------------------------------------------------------

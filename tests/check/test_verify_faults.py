@@ -121,7 +121,7 @@ def test_an_increment_that_is_wrong_in_a_cap(name):
     for where in (axis, *np.random.default_rng(2).standard_normal((2, 3))):
         case, subject = looked(name, "cap", axis=where)
         assert verdicts(whole_space(case, subject))["whole space"] == NO
-        assert "caps of up to" in case.unseen[0]
+        assert "the largest cap without" in case.unseen[0]
     case, subject = looked(name, "cap", axis=axis)
     if name in ("free_rigid_body", "nambu_a38"):
         assert verdicts(along(case, subject))["run"] == YES

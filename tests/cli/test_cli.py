@@ -93,7 +93,7 @@ def test_new_refuses_what_is_no_name(command, name):
 def test_new_never_overwrites(chain, command):
     before = chain.read_text()
     said = command("new", "spins", "--from", TOP)
-    assert said.returncode == 2 and "there already" in said.stderr and chain.read_text() == before
+    assert said.returncode == 2 and "already exists" in said.stderr and chain.read_text() == before
 
 
 @pytest.mark.quick
@@ -322,7 +322,7 @@ def test_a_defect_names_a_log(monkeypatch, capsys):
     monkeypatch.setattr(cli, "guarded", lambda args: 1 / 0)
     assert cli.main(["list"]) == 1
     said = capsys.readouterr().err
-    assert "defect" in said and "ZeroDivisionError" in said and "Traceback" not in said
+    assert "bug in smidgen" in said and "ZeroDivisionError" in said and "Traceback" not in said
     assert "Traceback" in open(said.strip().rsplit(" ", 1)[1]).read()
     monkeypatch.setenv("SMIDGEN_DEBUG", "1")
     assert cli.main(["list"]) == 1 and "Traceback" in capsys.readouterr().err
@@ -386,7 +386,7 @@ def shell(line, tmp_path, **env):
     ("smidgen list <&- >&- 2>&-", [8], b""), ("smidgen new good >&-", [8], b"next: smidgen check")])
 def test_streams_that_are_closed_or_full(tmp_path, line, codes, said):
     found, _, err = shell(line, tmp_path)
-    assert said in err and b"defect" not in err and b"Traceback" not in err and b"Exception" not in err
+    assert said in err and b"bug in smidgen" not in err and b"Traceback" not in err and b"Exception" not in err
     assert found == codes
 
 
@@ -406,7 +406,7 @@ def test_a_closed_stream_gives_its_number_to_no_file(tmp_path):
 
 def test_characters_that_the_stream_has_not_are_escaped(tmp_path):
     codes, out, err = shell("smidgen new x --out $'\\303\\274\\377.toml'", tmp_path, PYTHONIOENCODING="ascii")
-    assert codes == [0] and out == b"\\xfc\\udcff.toml\n" and b"defect" not in err
+    assert codes == [0] and out == b"\\xfc\\udcff.toml\n" and b"bug in smidgen" not in err
 
 
 def test_methods_are_listed(command):

@@ -87,9 +87,9 @@ def test_chart_gives_points_back():
 
 
 @pytest.mark.parametrize("points, words", [
-    (np.tile([0.6, 0, 0.8], (100, 1)), "one point"),
+    (np.tile([0.6, 0, 0.8], (100, 1)), "or coincide"),
     (oval(20), "too few"),
-    (oval(2000)[oval(2000)[:, 1] > 0], "not covered"),
+    (oval(2000)[oval(2000)[:, 1] > 0], "leave a gap"),
     (np.stack([0 * np.arange(64), np.cos(np.arange(64) * np.pi / 32),
                np.sin(np.arange(64) * np.pi / 32)], axis=1), "no centre")])
 def test_what_is_no_closed_curve_is_refused(points, words):
