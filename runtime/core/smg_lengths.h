@@ -18,6 +18,11 @@ SMG_COLD static void smg_begin_lengths(smg_state *s) {
   }
 }
 
+/* Those of a saved state: none before the first step. */
+static inline void smg_save_lengths(const smg_state *s, smg_real *out) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
+}
+
 /* Is an increment a number? An angle so large that tau^2 overflows leaves NaN. */
 SMG_INLINE int smg_is_finite(const smg_real *u) { return smg_abs(u[0]) + smg_abs(u[1]) + smg_abs(u[2]) <= SMG_MAX; }
 

@@ -107,8 +107,7 @@ static inline smg_status smg_check_site(const smg_coefficients *c, int64_t k, co
 /* The part of the radius by which a site is off its sphere. */
 static inline smg_real smg_off_sphere(const smg_coefficients *c, int64_t k, const smg_real *w) {
   if (smg_kind(c, k) != SMG_SPHERE) return 0;
-  const smg_real size = SMG_MATH(sqrt)(smg_dot(w, w));
-  return SMG_MATH(fabs)(size - smg_radius(c, k)) / smg_radius(c, k);
+  return SMG_MATH(fabs)(SMG_MATH(sqrt)(smg_dot(w, w)) - smg_radius(c, k)) / smg_radius(c, k);
 }
 
 /* All sites. Where `before` is not NULL they may be off their spheres by as much more as they are there. *site: the

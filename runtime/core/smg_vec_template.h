@@ -10,10 +10,7 @@ typedef struct smg_vec {
 } smg_vec;
 
 SMG_INLINE smg_vec smg_vec_of(smg_number x, smg_number y, smg_number z) {
-  smg_vec v;
-  v.x = x;
-  v.y = y;
-  v.z = z;
+  const smg_vec v = {x, y, z};
   return v;
 }
 SMG_INLINE void smg_vec_store(smg_number *w, smg_vec a) {

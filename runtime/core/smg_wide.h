@@ -69,9 +69,7 @@ typedef struct smg_wide {
 
 /* hi + lo, already of that form */
 static inline smg_wide smg_wide_pair(smg_real hi, smg_real lo) {
-  smg_wide s;
-  s.hi = hi;
-  s.lo = lo;
+  const smg_wide s = {hi, lo};
   return s;
 }
 

@@ -121,8 +121,7 @@ SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, i
   smg_lanes m[3], u[3], before[3], room[3];
   smg_take_from(3, a + SMG_FEW_M * pitch + i, pitch, m);
   smg_take_from(3, a + SMG_FEW_U * pitch + i, pitch, before);
-  const smg_lanes *R = smg_lane_respond(told, m, g, room);
-  smg_lane_cross(u, m, R); /* the rate last, as in smg_increment */
+  smg_lane_cross(u, m, smg_lane_respond(told, m, g, room)); /* the rate last, as in smg_increment */
   for (int k = 0; k < 3; ++k) {
     u[k] = smg_lane_first(in, rate * u[k]);
     before[k] = (smg_real)0.5 * (u[k] - before[k]);

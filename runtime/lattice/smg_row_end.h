@@ -60,8 +60,7 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
 
 /* Where the increments of a colour are. */
 SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turning *turn) {
-  const int64_t first = smg_colour_slots(&s->c);
-  turn->u = colour > 0 ? s->row_late - first : s->row_u;
+  turn->u = colour > 0 ? s->row_late - smg_colour_slots(&s->c) : s->row_u;
   turn->u_pitch = colour > 0 ? SMG_LATE_PITCH(&s->c) : SMG_FIRST_PITCH(&s->c);
 }
 
@@ -80,9 +79,8 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
     smg_lane_stretch(w, lost, R, turn.inverse, turn.weakest, u);
   }
-  const smg_lanes rho = turn.inverse * smg_lane_dot(w, m);
   smg_lane_waxpy(e, smg_lane_of((smg_real)0.5), u, w, 3);
-  smg_lane_axpy(e, -rho, m, 3);
+  smg_lane_axpy(e, -(turn.inverse * smg_lane_dot(w, m)), m, 3);
   smg_first_lanes(in, u); /* of what is no site of the piece 0, in empty slots to stay */
   *most = smg_lane_max(*most, smg_lane_first(in, smg_lane_dot(e, e)));
   smg_put_slots(turn.u, turn.u_pitch, slot, u);

@@ -96,12 +96,11 @@ static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
 }
 
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
   if (s->history > SMG_ROW_HISTORY) s->history = SMG_ROW_HISTORY;
   if (s->degree >= s->history) s->degree = s->history - 1;
   smg_to_slots(s, lost, s->row_compensation);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
-    smg_carried late = {past + j * n3, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
+    smg_carried late = {past + 3 * smg_sites(&s->c) * j, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
     smg_each_slot(&s->c, &late, smg_site_to_slot);
   }
 }

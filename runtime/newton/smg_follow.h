@@ -198,8 +198,7 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
 
 /* Is it there within a small part of the way that p has come? A midpoint like 1/p comes near, but never in. */
 static inline int smg_curve_soon(const smg_curve *f, const smg_real *y, const smg_real *t) {
-  const smg_real left = SMG_MATH(sqrt)(smg_dot(y, y) / smg_dot(t, t)) / f->scale * smg_abs(f->q);
-  return left <= SMG_MISS * f->p * f->span;
+  return SMG_MATH(sqrt)(smg_dot(y, y) / smg_dot(t, t)) / f->scale * smg_abs(f->q) <= SMG_MISS * f->p * f->span;
 }
 
 /* A curve that no pace can follow any more: does it end in the centre of a sphere? */

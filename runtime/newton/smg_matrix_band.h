@@ -7,10 +7,7 @@
 #include "smg_matrix_unkept.h"
 #include "smg_model.h"
 
-static inline void smg_clear(const smg_state *s) {
-  const int64_t size = SMG_BB * (2 * SMG_BAND + 1) * smg_coupled(&s->c);
-  smg_zero(s->A, size);
-}
+static inline void smg_clear(const smg_state *s) { smg_zero(s->A, SMG_BB * (2 * SMG_BAND + 1) * smg_coupled(&s->c)); }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
   int64_t d = column - row;

@@ -10,9 +10,8 @@ static inline int64_t smg_order(const smg_state *s) { return SMG_BS * smg_couple
 static inline void smg_clear(const smg_state *s) { smg_zero(s->A, smg_order(s) * smg_order(s)); }
 
 static inline void smg_add_block(const smg_state *s, int64_t row, int64_t column, const smg_real *block) {
-  const int64_t order = smg_order(s);
-  for (int r = 0; r < SMG_BS; ++r)
-    for (int l = 0; l < SMG_BS; ++l) s->A[(SMG_BS * row + r) * order + SMG_BS * column + l] += block[SMG_BS * r + l];
+  smg_real *at = s->A + SMG_BS * (row * smg_order(s) + column);
+  for (int r = 0; r < SMG_BS; ++r) smg_axpy(at + r * smg_order(s), 1, block + SMG_BS * r, SMG_BS);
 }
 
 /* s->x = J^-1 s->x; 0, or 1 + the place of a singular pivot. *sign: that of det J. */

@@ -159,8 +159,7 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
  * corrects the increment u itself: at least twice, since what one correction leaves is of one sign along many an orbit,
  * a drift. u = 2 (mbar - w), so it moves by twice what mbar does. */
 static smg_status smg_refine_by_newton(smg_state *s, smg_real h, smg_real rounding_scale) {
-  const int64_t n = 3 * smg_sites(&s->c);
-  smg_real *before = s->curve, *d = s->curve + n;
+  smg_real *before = s->curve, *d = s->curve + 3 * smg_sites(&s->c);
   int sign;
   for (int round = 0;; ++round) {
     smg_increment_residual(s, h, before);

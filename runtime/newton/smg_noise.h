@@ -18,6 +18,11 @@ SMG_INLINE smg_real smg_probe_factor(unsigned down, int64_t b) {
   return 1 + (down >> b & 1 ? -1 : 1) * SMG_PROBE * SMG_EPS;
 }
 
+/* x = the components of m, changed. */
+SMG_INLINE void smg_probe(unsigned down, const smg_real *m, smg_real *x) {
+  for (int b = 0; b < 3; ++b) x[b] = m[b] * smg_probe_factor(down, b);
+}
+
 /* Takes in a site whose h X is u, and `up` and `down` at the changed components: how far it moves, and how much of that
  * is not odd. */
 static inline void smg_probe_take(smg_real *odd, smg_real *even, const smg_real *up, const smg_real *down,
@@ -36,7 +41,7 @@ static inline smg_real smg_probed_noise(smg_real odd, smg_real even) { return ev
 SMG_RARE static void smg_probe_site(const smg_state *s, smg_real h, int64_t k, const smg_real *m, unsigned down,
                                     smg_real *u) {
   smg_real x[3], g[3] = {0, 0, 0};
-  for (int b = 0; b < 3; ++b) x[b] = m[b] * smg_probe_factor(down, b);
+  smg_probe(down, m, x);
   smg_gather(&s->c, smg_at(k), s->m, x, g);
   smg_increment(&s->c, k, h, x, g, u);
 }
@@ -70,8 +75,7 @@ SMG_RARE static void smg_probe_all(smg_state *s, smg_real h, unsigned probe, int
   smg_project_all(s);
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
     const int64_t k = smg_site(&s->c, row);
-    const unsigned down = smg_probe_signs(k, probe) ^ (back ? 7 : 0);
-    for (int64_t b = 0; b < 3; ++b) s->m[3 * k + b] *= smg_probe_factor(down, b);
+    smg_probe(smg_probe_signs(k, probe) ^ (back ? 7 : 0), s->m + 3 * k, s->m + 3 * k);
   }
   smg_coupled_gradient(&s->c, s->m, s->g);
   smg_increments(s, h, u);

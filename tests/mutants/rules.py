@@ -203,7 +203,7 @@ IN_LANES = (
     (FEW_STEP, r"\(smg_real\)0\.5 \* smg_h_over_kappa", r"smg_h_over_kappa"),
     (FEW_STEP, r"rate = 2 \* smg_lane_take", r"rate = smg_lane_take"),
     (FEW_STEP, r"smg_lane_take\(a \+ SMG_FEW_RADIUS \* pitch \+ i\) / square \* smg_lane_sqrt", r"1 / square * smg_lane_sqrt"),
-    (FEW_STEP, r"smg_lane_cross\(u, m, R\)", r"smg_lane_cross(u, R, m)"),
+    (FEW_STEP, r"smg_lane_cross\(u, m, smg_lane_respond\(told, m, g, room\)\)", r"smg_lane_cross(u, smg_lane_respond(told, m, g, room), m)"),
     (FEW_STEP, r"s->few\[\(SMG_FEW_U \+ q\) \* pitch \+ k\]", r"s->few[SMG_FEW_U * pitch + k]"),
     ("gen/compile/assemble/few.py", r'For\("j", i \+ Index\("SMG_LANES"\), n', r'For("j", i, n'),
     (LANE_BATCH, r"smg_lane_insert\(g->compensation, l, s->compensation, 3\);", r""),

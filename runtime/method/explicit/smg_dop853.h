@@ -72,12 +72,10 @@ static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = 
 
 /* k_1 of the internal step that is tried; where it is no number, the report has the site. */
 static inline int smg_first_stage(smg_state *s, const smg_pace *pace) {
-  const smg_real *k = smg_vector(s, 0);
-  const int64_t n = smg_width(s);
   smg_trial_slope(s, pace->done, pace->size, smg_vector(s, SMG_Y), smg_vector(s, 0));
-  for (int64_t q = 0; q < n; ++q) {
-    if (smg_abs(k[q]) <= SMG_MAX) continue;
-    s->report.site = q / 3;
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
+    if (smg_largest(smg_vector(s, 0) + 3 * k) <= SMG_MAX) continue;
+    s->report.site = k;
     return 0;
   }
   return 1;

@@ -32,9 +32,7 @@ static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; 
 
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)smg_sites(c); }
 
-static inline void smg_save_history(const smg_state *s, smg_real *out) {
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
-}
+static inline void smg_save_history(const smg_state *s, smg_real *out) { smg_save_lengths(s, out); }
 
 static inline void smg_restore_history(smg_state *s, const smg_real *in) { smg_copy(s->inverse, in, smg_sites(&s->c)); }
 

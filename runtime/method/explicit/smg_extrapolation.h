@@ -58,9 +58,8 @@ static inline smg_real *smg_tableau_vector(const smg_state *s, int i) {
 /* D_(m+1), where D_(m-1) is. */
 static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real part = (smg_real)1 / (smg_real)j;
   smg_real *point = smg_tableau_vector(s, SMG_POINT), *k = smg_tableau_vector(s, SMG_SLOPE);
-  for (int64_t q = 0; q < n; ++q) point[q] = s->w[q] + part * newer[q];
+  smg_waxpy(point, (smg_real)1 / (smg_real)j, newer, s->w, n);
   smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
   smg_right_side(&s->c, 1, point, k);
   smg_axpy(D, 1, k, n);
@@ -69,14 +68,11 @@ static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_
 /* u += W_j/j D_n, times smg_tableau_unit. */
 static void smg_add_tableau_row(smg_state *s, int j) {
   const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *first = smg_tableau_vector(s, SMG_FIRST);
   smg_real *even = smg_tableau_vector(s, SMG_D), *odd = smg_tableau_vector(s, SMG_D_ODD);
-  for (int64_t q = 0; q < n; ++q) {
-    even[q] = 0;
-    odd[q] = (smg_real)0.5 * first[q];
-  }
+  smg_zero(even, n);
+  smg_multiple(odd, (smg_real)0.5, smg_tableau_vector(s, SMG_FIRST), n);
   for (int m = 1; m < 2 * j; ++m) smg_tableau_step(s, j, m, m % 2 ? even : odd, m % 2 ? odd : even);
-  for (int64_t q = 0; q < n; ++q) s->u[q] += smg_tableau_weights[j - 1] * even[q];
+  smg_axpy(s->u, smg_tableau_weights[j - 1], even, n);
 }
 
 static inline void smg_solve_increment(smg_state *s) {

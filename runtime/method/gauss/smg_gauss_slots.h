@@ -73,8 +73,7 @@ static void smg_lift_sites(const smg_state *s) {
 /* w and what it has lost into slots; empty ones hold a spin that nothing turns. */
 static void smg_enter_slots(const smg_state *s) {
   smg_real *w = smg_slot_component(s, SMG_SLOT_W);
-  const int64_t pitch = smg_pitch(&s->c);
-  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * pitch + slot] = smg_radius(&s->c, 0);
+  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * smg_pitch(&s->c) + slot] = smg_radius(&s->c, 0);
   smg_to_slots(s, s->w, w);
   smg_to_slots(s, s->compensation, smg_slot_component(s, SMG_SLOT_LOST));
   smg_lift_sites(s);

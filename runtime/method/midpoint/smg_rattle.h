@@ -34,11 +34,10 @@ SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_rea
   smg_real q[4], x[3];
   (void)r;
   smg_rattle_turn(a, q);
-  const smg_real scale = 2 / (q[0] * q[0] + smg_dot(q + 1, q + 1));
   smg_cross(x, w, q + 1);
   smg_cross(u, x, q + 1);
   smg_axpy(u, q[0], x, 3);
-  smg_scale(u, scale, 3);
+  smg_scale(u, 2 / (q[0] * q[0] + smg_dot(q + 1, q + 1)), 3);
 }
 
 /* A is found by a division by x; B, from the end of the step, by y. */

@@ -192,9 +192,8 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
     status = smg_site_solve(s, s->c.h, 0);
     if (status == SMG_OK) {
       const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), S = smg_twice_midpoint(w, v);
-      const smg_real q = 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S));
       smg_found f;
-      smg_set_found(&f, w, smg_vec_load(s->compensation), v, q, 0);
+      smg_set_found(&f, w, smg_vec_load(s->compensation), v, 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)), 0);
       smg_sphere_commit(s, &f);
     }
   }

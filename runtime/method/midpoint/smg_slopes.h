@@ -34,7 +34,7 @@ static inline size_t smg_history_size(const smg_coefficients *c) {
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) {
   const int64_t sites = smg_sites(&s->c);
-  for (int64_t k = 0; k < sites; ++k) out[k] = s->history > 0 ? s->inverse[k] : 0;
+  smg_save_lengths(s, out);
   smg_copy(out + sites, s->past_slopes, SMG_SLOPES * SMG_HISTORY * sites);
 }
 

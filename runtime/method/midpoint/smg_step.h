@@ -29,7 +29,6 @@
 /* The coupled sites: from the extrapolated start; when that fails from rest; when that fails, or has taken all products
  * with J that it may, by following the branch. */
 static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
-  const int tries = s->degree < 0 ? 1 : 2;
   smg_status status = SMG_OK;
 #if SMG_MATRIX_FREE
   SMG_PRODUCTS_LEFT(s) = SMG_KRYLOV_A_STEP;
@@ -41,7 +40,7 @@ static smg_status smg_solve_coupled(smg_state *s, smg_real h) {
   status = smg_sweeps(s, h);
   if (status == SMG_OK) return SMG_OK;
 #endif
-  for (int k = 0; k < tries; ++k) {
+  for (int k = 0; k < (s->degree < 0 ? 1 : 2); ++k) {
     smg_predict(s, k == 0 ? s->degree : -1);
     status = smg_newton(s, h);
     if (status == SMG_OK) return SMG_OK;

@@ -13,6 +13,7 @@
 #else
 #include "smg_step.h"
 #endif
+#include "smg_report.h"
 #include "smg_saved.h"
 
 /* Does the leaf of a site move with w? */
@@ -102,8 +103,7 @@ static smg_status smg_push_alone(smg_state *s, smg_real h, int64_t k, smg_real *
   smg_bend(c, smg_at(k), s->m, m, dm, y);
   smg_vary(c, k, h, m, g, z, y, d);
   smg_waxpy(d, 0.5, d, v + 3 * k, 3);
-  s->report.site = k;
-  if (smg_solve_change(s, h, k, m, scale, g, d)) return SMG_SINGULAR;
+  if (smg_solve_change(s, h, k, m, scale, g, d)) return smg_end_report(s, SMG_SINGULAR, k);
   smg_push_through(v + 3 * k, d);
   return SMG_OK;
 }
@@ -182,10 +182,7 @@ static smg_status smg_tangent_matrix(smg_state *s, smg_real h, smg_real *keep) {
 /* Is every number of a column finite? */
 static smg_status smg_finite_column(smg_state *s, const smg_real *v) {
   for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k)
-    if (!(smg_abs(v[k]) <= SMG_MAX)) {
-      s->report.site = k / 3;
-      return SMG_NOT_FINITE;
-    }
+    if (!(smg_abs(v[k]) <= SMG_MAX)) return smg_end_report(s, SMG_NOT_FINITE, k / 3);
   return SMG_OK;
 }
 
