@@ -10,6 +10,11 @@ SMG_INLINE void smg_scale(smg_number *y, smg_number a, int64_t n) {
   for (int64_t k = 0; k < n; ++k) y[k] *= a;
 }
 
+/* y /= a. */
+SMG_INLINE void smg_divide(smg_number *y, smg_number a, int64_t n) {
+  for (int64_t k = 0; k < n; ++k) y[k] /= a;
+}
+
 /* y = a x. */
 SMG_INLINE void smg_multiple(smg_number *y, smg_number a, const smg_number *x, int64_t n) {
   for (int64_t k = 0; k < n; ++k) y[k] = a * x[k];

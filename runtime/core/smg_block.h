@@ -14,10 +14,6 @@
 
 SMG_INLINE void smg_block_copy(smg_real *C, const smg_real *A) { smg_copy(C, A, SMG_BB); }
 
-SMG_INLINE void smg_block_zero(smg_real *C) { smg_zero(C, SMG_BB); }
-
-SMG_INLINE void smg_vector_copy(smg_real *y, const smg_real *x) { smg_copy(y, x, SMG_BS); }
-
 /* C += A. */
 SMG_INLINE void smg_block_add(smg_real *C, const smg_real *A) { smg_axpy(C, 1, A, SMG_BB); }
 

@@ -38,6 +38,7 @@
 #define smg_dot smg_lane_dot
 #define smg_copy smg_lane_copy
 #define smg_scale smg_lane_scale
+#define smg_divide smg_lane_divide
 #define smg_multiple smg_lane_multiple
 #define smg_axpy smg_lane_axpy
 #define smg_waxpy smg_lane_waxpy

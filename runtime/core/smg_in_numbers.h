@@ -38,6 +38,7 @@
 #undef smg_dot
 #undef smg_copy
 #undef smg_scale
+#undef smg_divide
 #undef smg_multiple
 #undef smg_axpy
 #undef smg_waxpy

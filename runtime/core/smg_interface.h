@@ -51,8 +51,7 @@ void SMG_PUBLIC(field)(const smg_model *model, smg_real t, const smg_real *w, sm
 #else
   smg_gradient(&c, w, b);
 #endif
-  for (int64_t k = 0; k < smg_sites(&c); ++k)
-    for (int64_t q = 3 * k; q < 3 * k + 3; ++q) b[q] /= smg_kappa(&c, k);
+  for (int64_t k = 0; k < smg_sites(&c); ++k) smg_divide(b + 3 * k, smg_kappa(&c, k), 3);
 }
 
 /* sum of kappa w over each family: SMG_FAMILIES of them, the f-th ending before the site smg_family_end(c, f). */

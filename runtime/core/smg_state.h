@@ -143,11 +143,17 @@ static void smg_put_state(smg_state *s, const smg_real *w) {
     /* given with some digits less */
     const int off = smg_kind(&s->c, k) == SMG_SPHERE && SMG_MATH(fabs)(size - leaf) > 8 * SMG_EPS * leaf;
     s->scale = smg_max(s->scale, smg_largest(w + 3 * k));
-    for (int b = 0; b < 3; ++b) s->w[3 * k + b] = off ? w[3 * k + b] * (leaf / size) : w[3 * k + b];
+    if (off) smg_multiple(s->w + 3 * k, leaf / size, w + 3 * k, 3);
+    else smg_copy(s->w + 3 * k, w + 3 * k, 3);
   }
   smg_largest_of_all(&s->scale);
   smg_share_ends(&s->c, s->w);
 }
+
+#ifndef SMG_OWN_BLANK_HISTORY
+/* The history of no steps; methods that remember more than arrays have their own. */
+static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
+#endif
 
 /* The state before any memory is known: all that is not an array. */
 static void smg_blank(smg_state *s, const smg_model *model, double t0, double h) {

@@ -94,7 +94,8 @@ static void smg_few_midpoints(smg_real *a, int64_t sites, int64_t pitch) {
     smg_take_from(3, a + SMG_FEW_W * pitch + i, pitch, m);
     smg_take_from(3, a + SMG_FEW_LOST * pitch + i, pitch, lost);
     smg_take_from(3, a + SMG_FEW_U * pitch + i, pitch, u);
-    for (int k = 0; k < 3; ++k) m[k] += lost[k] + (smg_real)0.5 * u[k];
+    smg_lane_axpy(lost, smg_lane_of((smg_real)0.5), u, 3);
+    smg_lane_axpy(m, smg_lane_of(1), lost, 3);
     const smg_lanes square = smg_lane_dot(m, m),
                     s = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i) / square * smg_lane_sqrt(square);
     smg_lane_scale(m, s, 3);

@@ -116,7 +116,7 @@ static void smg_go_on(const smg_row_going go, smg_share part) {
 static void smg_begin_first_colour(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c);
   for (int k = 0; !s->row_alone && k < 3; ++k)
-    for (int64_t j = part.from; j < part.to; ++j) s->row_m[k * pitch + j] = s->row_w[k * pitch + j];
+    smg_copy(s->row_m + k * pitch + part.from, s->row_w + k * pitch + part.from, part.to - part.from);
 }
 
 /* The state after the step, of all threads; more: is another one to begin? */

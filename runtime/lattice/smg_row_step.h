@@ -3,6 +3,7 @@
 #ifndef SMG_ROW_STEP_H
 #define SMG_ROW_STEP_H
 
+#include "smg_history.h"
 #include "smg_report.h"
 #include "smg_row_wave.h"
 
@@ -77,13 +78,8 @@ static void smg_choose_row_degree(smg_state *s) {
 
 /* The step is taken; more: does another one begin, and add its increments to w? */
 static void smg_commit_rows(smg_state *s, int more) {
-  smg_real *oldest = s->past[SMG_ROW_HISTORY - 1];
   if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
-  for (int j = SMG_ROW_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
-  s->past[0] = s->row_late;
-  s->row_late = oldest;
-  if (s->history < SMG_ROW_HISTORY) ++s->history;
-  if (s->degree < 0) s->degree = 0;
+  smg_remember(s, SMG_ROW_HISTORY, &s->row_late);
   s->row_due = more;
   if (!more) smg_go_on_rows(s, 0);
 }

@@ -86,7 +86,7 @@ SMG_INLINE int smg_site_evaluate(const smg_state *s, smg_real h, int64_t k, cons
   e->q = smg_divisor(&s->c, k, h, e->g, &e->root);
   e->rate = h / e->q;
   if (e->q < 0) return 0;
-  for (int b = 0; b < 3; ++b) u[b] /= e->q;
+  smg_divide(u, e->q, 3);
 #endif
   return 1;
 }

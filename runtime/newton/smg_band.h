@@ -47,14 +47,14 @@ SMG_INLINE const smg_real *smg_band_at(int64_t n, int k, const smg_real *A, int6
 
 SMG_INLINE void smg_block_copy_or_zero(smg_real *C, const smg_real *A) {
   if (A) smg_block_copy(C, A);
-  else smg_block_zero(C);
+  else smg_zero(C, SMG_BB);
 }
 
 /* Row i away from both ends: its whole band lies in the chain. */
 SMG_INLINE void smg_band_load(int k, const smg_real *a, const smg_real *b, smg_band_row *q) {
   SMG_UNROLL for (int d = 0; d < 2 * k + 1; d++) smg_block_copy(q->W[d], a + d * SMG_BB);
-  SMG_UNROLL for (int t = 0; t < k; t++) smg_block_zero(q->E[t]);
-  smg_vector_copy(q->r, b);
+  SMG_UNROLL for (int t = 0; t < k; t++) smg_zero(q->E[t], SMG_BB);
+  smg_copy(q->r, b, SMG_BS);
   q->before = smg_block_scale(q->W[k]);
 }
 
@@ -66,7 +66,7 @@ static inline void smg_band_load_end(int64_t n, int k, int64_t m, int64_t i, con
     const int64_t c = i + d;
     if (c >= 0 && c < m) continue;
     if (m < n) smg_block_copy(q->E[c < 0 ? c + k : c - m], q->W[d + k]);
-    smg_block_zero(q->W[d + k]);
+    smg_zero(q->W[d + k], SMG_BB);
   }
 }
 
@@ -110,7 +110,7 @@ static inline void smg_band_cut(int64_t n, int k, const smg_real *A, const smg_r
   smg_band_open_border(n, k, 0, A, q);
   for (int s = 0; s < k; s++) {
     for (int t = 0; t < k; t++) smg_block_copy(q->S[s][t], A + ((n - k + s) * (2 * k + 1) + t - s + k) * SMG_BB);
-    smg_vector_copy(q->s[s], x + (n - k + s) * SMG_BS);
+    smg_copy(q->s[s], x + (n - k + s) * SMG_BS, SMG_BS);
     q->before[s] = smg_block_scale(q->S[s][s]);
   }
 }

@@ -7,6 +7,7 @@
 
 #define SMG_NO_DEGREE -1 /* of the predictor, before the first step */
 
+#define SMG_OWN_BLANK_HISTORY 1
 static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
   s->newton_steps = 0;
@@ -28,13 +29,13 @@ static inline size_t smg_place_history(smg_state *s, smg_real *mem, size_t used)
   return used;
 }
 
-/* u joins the history, and takes the room of the oldest. */
-static inline void smg_remember(smg_state *s) {
-  smg_real *oldest = s->past[SMG_HISTORY - 1];
-  for (int j = SMG_HISTORY - 1; j > 0; --j) s->past[j] = s->past[j - 1];
-  s->past[0] = s->u;
-  s->u = oldest;
-  if (s->history < SMG_HISTORY) ++s->history;
+/* The increments at *newest join a history of `most` steps, and take the room of the oldest. */
+static inline void smg_remember(smg_state *s, int most, smg_real **newest) {
+  smg_real *oldest = s->past[most - 1];
+  for (int j = most - 1; j > 0; --j) s->past[j] = s->past[j - 1];
+  s->past[0] = *newest;
+  *newest = oldest;
+  if (s->history < most) ++s->history;
   if (s->degree < 0) s->degree = 0;
 }
 

@@ -53,7 +53,7 @@ static inline smg_real smg_krylov_dot(int64_t n, const smg_real *a, const smg_re
 /* v becomes a vector of length 1, unless it is 0; its length before. */
 static inline smg_real smg_krylov_unit(int64_t n, smg_real *v) {
   const smg_real length = SMG_MATH(sqrt)(smg_krylov_dot(n, v, v));
-  for (int64_t k = 0; k < n && length > 0; ++k) v[k] /= length;
+  if (length > 0) smg_divide(v, length, n);
   return length;
 }
 
@@ -120,7 +120,7 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
     q.rhs[0] = SMG_MATH(sqrt)(smg_krylov_dot(n, V, V));
     if (!(q.rhs[0] > goal) || !(q.rhs[0] <= last)) break; /* solved, or round-off */
     last = q.rhs[0] / 2;
-    for (int64_t k = 0; k < n; ++k) V[k] /= q.rhs[0];
+    smg_divide(V, q.rhs[0], n);
     while (j < most && smg_abs(q.rhs[j]) > goal) {
       smg_krylov_extend(a, V, j, q.H[j]);
       smg_krylov_rotate(&q, j++);
@@ -128,9 +128,9 @@ static inline int smg_krylov_solve(const smg_krylov *a, smg_real *x, smg_real to
     products += j;
     if (!smg_krylov_add(n, V, &q, j, y)) return 1;
     a->times(a->of, y, V);
-    for (int64_t k = 0; k < n; ++k) V[k] = b[k] - V[k];
+    smg_waxpy(V, -1, V, b, n);
   }
-  for (int64_t k = 0; k < n; ++k) x[k] = unit * y[k];
+  smg_multiple(x, unit, y, n);
   return !(SMG_MATH(sqrt)(smg_krylov_dot(n, V, V)) <= smg_max(2 * goal, SMG_KRYLOV_LEFT * size));
 }
 

@@ -37,7 +37,8 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
   smg_add_block(s, row, column, block);
   if (i == j) return;
   smg_frame_block(s->S + 3 * SMG_BS * i, z, mirror);
-  for (int e = 0; e < SMG_BB; ++e) mirror[e] = (block[e] + mirror[e]) / 2;
+  smg_block_add(mirror, block);
+  smg_scale(mirror, (smg_real)0.5, SMG_BB);
   smg_row_sums(SMG_BS, mirror, s->mean + SMG_BS * row);
 }
 
@@ -49,7 +50,7 @@ static inline void smg_assembled(const smg_state *s) {
 /* z = D^-1 x with the diagonal block D of each site, or x where it has no inverse. */
 static void smg_undo_all(const smg_state *s, const smg_real *x, smg_real *z) {
   for (int64_t i = 0; i < smg_coupled(&s->c); ++i) {
-    smg_vector_copy(z + SMG_BS * i, x + SMG_BS * i);
+    smg_copy(z + SMG_BS * i, x + SMG_BS * i, SMG_BS);
     (void)smg_block_solve(s->A + SMG_BB * i, z + SMG_BS * i);
   }
 }
@@ -62,10 +63,9 @@ static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg
   const int across = transposed ? 1 : SMG_BS, down = transposed ? SMG_BS : 1;
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
-    for (int b = 0; b < 3; ++b) {
-      s->v[3 * k + b] = s->hessian_v[3 * k + b] = 0;
-      for (int l = 0; l < SMG_BS; ++l) s->v[3 * k + b] += from[3 * (SMG_BS * k + l) + b] * z[SMG_BS * row + l];
-    }
+    smg_zero(s->hessian_v + 3 * k, 3);
+    smg_zero(s->v + 3 * k, 3);
+    for (int l = 0; l < SMG_BS; ++l) smg_axpy(s->v + 3 * k, z[SMG_BS * row + l], from + 3 * (SMG_BS * k + l), 3);
   }
   smg_hessian_vector(s);
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
@@ -94,7 +94,8 @@ static void smg_times_mean(void *of, const smg_real *x, smg_real *y) {
   const smg_state *s = (const smg_state *)of;
   smg_apply(s, 0, x, s->product);
   smg_apply(s, 1, x, y);
-  for (int64_t k = 0; k < smg_order(s); ++k) y[k] = (y[k] + s->product[k]) / 2;
+  smg_axpy(y, 1, s->product, smg_order(s));
+  smg_scale(y, (smg_real)0.5, smg_order(s));
 }
 
 /* The block row with the largest row sum. */
@@ -126,8 +127,7 @@ static inline smg_real smg_mean_bound(const smg_state *s) {
 }
 
 /* The sign of det J at the last point. */
-static int smg_sign(void *of) {
-  smg_state *s = (smg_state *)of;
+static int smg_sign(smg_state *s) {
   const smg_krylov a = {s, smg_product, smg_order(s), s->work}, mean = {s, smg_times_mean, smg_order(s), s->work};
   return smg_krylov_sign(&a, &mean, smg_mean_bound(s));
 }

@@ -130,7 +130,8 @@ static int smg_within_noise(smg_state *s, smg_real h, const smg_real *u, smg_rea
   smg_axpy(d, 2, s->r, n); /* h X */
   smg_noise_of_all(s, h, d, up, even, noise);
   smg_copy(s->u, u, n);
-  for (int64_t k = 0; k < n; ++k) s->r[k] = 0.5 * (d[k] - u[k]);
+  smg_waxpy(s->r, -1, u, d, n);
+  smg_scale(s->r, 0.5, n);
   return smg_within_round_off(s, h, noise);
 }
 
@@ -150,7 +151,8 @@ static void smg_increment_residual(smg_state *s, smg_real h, smg_real *before) {
   const int64_t n = 3 * smg_sites(&s->c);
   smg_copy(before, s->u, n);
   (void)smg_refine(s, h);
-  for (int64_t k = 0; k < n; ++k) s->r[k] = 0.5 * (s->u[k] - before[k]);
+  smg_waxpy(s->r, -1, before, s->u, n);
+  smg_scale(s->r, 0.5, n);
   s->report.residual = smg_most(s->r, n);
   smg_copy(s->u, before, n);
 }

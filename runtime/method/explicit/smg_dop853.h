@@ -49,8 +49,6 @@ static inline smg_real *smg_kept(const smg_state *s) { return s->stages + SMG_ST
 
 /* ---- the history: one number, the natural size
  * --------------------------------------------------------------------------- */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-
 /* Numbers of the history. */
 static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 1; }
 

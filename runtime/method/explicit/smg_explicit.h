@@ -28,8 +28,6 @@ SMG_INLINE int64_t smg_there_and_back(int64_t k, int64_t n) { return k < n ? k :
 SMG_INLINE smg_real smg_turn_h(int64_t k, int64_t n, smg_real h) { return k == n - 1 ? h : (smg_real)0.5 * h; }
 
 /* The history: 1/|w|^2 of every site, s->history = 1 once it is known. */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)smg_sites(c); }
 
 static inline void smg_save_history(const smg_state *s, smg_real *out) { smg_save_lengths(s, out); }

@@ -81,7 +81,7 @@ static inline void smg_solve_increment(smg_state *s) {
   smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
   smg_zero(s->u, n);
   for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_add_tableau_row(s, j);
-  for (int64_t q = 0; q < n; ++q) s->u[q] /= smg_tableau_unit;
+  smg_divide(s->u, smg_tableau_unit, n);
 }
 #endif
 

@@ -22,7 +22,7 @@ static void smg_heun_points(smg_state *s, int both) {
     for (int b = 0; b < 3; ++b) v[b] = s->w[q + b] + (both ? (smg_real)0.5 * (x[b] + y[b]) : x[b]);
     const smg_real square = s->inverse[k] * smg_dot(v, v);
     const smg_real size = square > 0 && square <= SMG_MAX ? SMG_MATH(sqrt)(square) : 1 + (square - square); /* or NaN */
-    for (int b = 0; b < 3; ++b) v[b] /= size;
+    smg_divide(v, size, 3);
     smg_waxpy(s->u + q, -1, s->w + q, v, 3);
   }
 }

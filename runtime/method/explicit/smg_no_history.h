@@ -9,7 +9,6 @@
 #define SMG_HISTORY 0
 #endif
 
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 0; }
 static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s, (void)out; }
 static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void)s, (void)in; }

@@ -17,7 +17,6 @@
 
 /* The history: the L_j of the step before, s->history = 1 once there are any. */
 #define SMG_STAGE_NUMBERS (4 * SMG_STAGES) /* of a site */
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
 static inline size_t smg_history_size(const smg_coefficients *c) { return (size_t)(SMG_STAGE_NUMBERS * smg_sites(c)); }
 
 #include "smg_state.h"

@@ -97,7 +97,7 @@ static void smg_lift_sites(const smg_state *s) {
 }
 
 SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t k, smg_real *z) {
-  for (int b = 0; b < 4; ++b) z[b] = smg_own(a, k)[SMG_OWN_Z + b];
+  smg_copy(z, smg_own(a, k) + SMG_OWN_Z, 4);
 }
 
 /* x/|w|; of a site at rest at w = 0, 0. */

@@ -266,7 +266,7 @@ SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
 /* After a step that failed: by one more sweep, with marks in place of z, which the next step lifts anew. */
 static int64_t smg_most_moved(smg_state *s, smg_gauss_work *a) {
   smg_slots_moved found = {a->z, -1, -1};
-  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) a->z[slot] = 0;
+  smg_zero(a->z, smg_slots(&s->c));
   a->marks = a->z;
   (void)smg_sweep_stages(s, a);
   smg_each_slot(&s->c, &found, smg_look_at_mark);

@@ -90,18 +90,14 @@ SMG_INLINE smg_vec smg_sphere_explicit(const smg_coefficients *c, smg_vec w, smg
 /* The solution to the digits of smg_wide: (u, low) = V + e, V = h X(m) at m = P(w + compensation + v/2), e = E d/(1 -
  * E) = (E + E^2) d/det(1 - E), d = V - v. d is so small that its own digits are plenty. */
 SMG_INLINE void smg_sphere_widen(smg_state *s, smg_vec v, smg_real q) {
-  s->u[0] = v.x;
-  s->u[1] = v.y;
-  s->u[2] = v.z;
+  smg_vec_store(s->u, v);
   smg_wide_evaluate(s);
   const smg_vec m = smg_vec_load(s->wide_m), d = smg_vec_load(s->wide_d), r = smg_radial(&s->c, m, v);
   const smg_slope D = smg_derivative(&s->c, m, q);
   const smg_vec a = smg_slope_times(D, smg_vec_sub(d, smg_vec_scale(smg_vec_dot(m, d), m)));
   const smg_vec b = smg_slope_times(D, smg_vec_sub(a, smg_vec_scale(smg_vec_dot(m, a), m)));
   const smg_real i = 1 / (1 + (smg_slope_minors(D) - (q * q) * smg_vec_dot(v, r)));
-  s->wide_e[0] = i * (a.x + b.x);
-  s->wide_e[1] = i * (a.y + b.y);
-  s->wide_e[2] = i * (a.z + b.z);
+  smg_vec_store(s->wide_e, smg_vec_scale(i, smg_vec_add(a, b)));
   smg_wide_take(s);
 }
 #endif

@@ -26,8 +26,6 @@
 
 /* ---- the history: 1/|w|^2 of the start, and the slopes of the last s->history steps, newest first ---- */
 
-static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; }
-
 static inline size_t smg_history_size(const smg_coefficients *c) {
   return (size_t)((1 + SMG_SLOPES * SMG_HISTORY) * smg_sites(c));
 }

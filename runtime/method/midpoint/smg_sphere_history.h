@@ -9,6 +9,7 @@
 #define SMG_NO_DEGREE 0
 #define SMG_ROWS 64 /* rows before they are moved back */
 
+#define SMG_OWN_BLANK_HISTORY 1
 static inline void smg_blank_history(smg_state *s) {
   s->degree = SMG_NO_DEGREE;
   s->begun = s->count;

@@ -92,7 +92,7 @@ static void smg_commit(smg_state *s) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) /* open leaves: orbits grow */
     if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k));
 #endif
-  smg_remember(s);
+  smg_remember(s, SMG_HISTORY, &s->u);
 }
 
 /* One step of the size h, the time of its midpoint in s->c: the state after it, but not counted. */
