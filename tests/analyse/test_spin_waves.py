@@ -139,7 +139,7 @@ def test_what_has_no_lines():
         smidgen.spin_waves(magnet("chain", more=FIELD.replace("w[i].z", "cos(t)*w[i].z")))
     with pytest.raises(smidgen.UsageError, match="a torque acts on 'w'"):
         smidgen.spin_waves(magnet("chain", more='[effects.push]\nover = "site(i) of w"\ntorque = "cross(w[i], vec(0, 0, 0.1))"\n'))
-    for cell, said in (((4,), r"divides its 6 cells"), ((1,), "does not repeat after 1 cells of direction 1: a spin differs by 2")):
+    for cell, said in (((4,), r"must divide its 6 cells"), ((1,), "does not repeat after 1 cells of direction 1: a spin differs by 2")):
         with pytest.raises(smidgen.UsageError, match=said):
             smidgen.spin_waves(magnet("chain", theta="pi*i", J=-0.8), cell=cell)
     for q, said in (([[0, 1]], "1 finite numbers"), ("0 1/5", "not a wave vector of 6 cells")):
