@@ -197,10 +197,8 @@ static void smg_turn_some_slots(const smg_state *s, smg_besides *known, const sm
 /* Some slots of this rank by all threads. */
 SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const smg_turning *turn,
                                  const smg_row_pass pass, smg_share slots, smg_row_motion *moved) {
-  const int team = smg_team_for(slots, s->row_team);
-  (void)team;
   if (slots.from >= slots.to) return;
-  SMG_TEAM(team) {
+  SMG_TEAM(smg_team_for(slots, s->row_team)) {
     smg_row_motion motion = smg_at_rest();
     smg_turn_some_slots(s, known, turn, pass, smg_share_of_thread(slots), &motion);
     SMG_ONE_BY_ONE smg_join_motion(moved, &motion);

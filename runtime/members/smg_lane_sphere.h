@@ -26,7 +26,7 @@
 #define smg_sphere_determinant smg_lane_sphere_determinant
 #define smg_sphere_bound smg_lane_sphere_bound
 #define smg_sphere_newton smg_lane_sphere_newton
-#define smg_set_found smg_lane_set_found
+#define smg_found_at smg_lane_found_at
 #define smg_sphere_evaluate smg_lane_sphere_evaluate
 #define smg_sphere_settled smg_lane_sphere_settled
 #define smg_sphere_confirmed smg_lane_sphere_confirmed
@@ -141,8 +141,8 @@ SMG_COLD static void smg_lanes_resume(smg_group *g, smg_lane_mask left, const sm
     const smg_lane_vec w = smg_lane_vec_load(g->w), compensation = smg_lane_vec_load(g->compensation);
     smg_lane_found again;
     alone |= near & ~smg_lane_sphere_again(g->c, w, compensation, near, *n, &again, &g->iterations);
-    smg_lane_set_found(&f, w, compensation, smg_lane_vec_select(near, again.v, f.v),
-                       smg_lane_select(near, again.q, f.q), smg_lane_select(near, again.residual, f.residual));
+    f = smg_lane_found_at(w, compensation, smg_lane_vec_select(near, again.v, f.v), smg_lane_select(near, again.q, f.q),
+                          smg_lane_select(near, again.residual, f.residual));
   }
   if (smg_lane_any(alone)) smg_lanes_step_alone(g, alone);
   smg_lanes_commit(g, &f);

@@ -5,7 +5,7 @@
 #ifndef SMG_DENSE_H
 #define SMG_DENSE_H
 
-#include "smg_small.h"
+#include "smg_arrays.h"
 
 #define SMG_PANEL 8
 
@@ -44,7 +44,7 @@ SMG_INLINE int64_t smg_dense_panel(int64_t n, smg_real *A, smg_real *x, int64_t 
     const smg_real reciprocal = 1 / A[c * n + c];
     for (int64_t i = c + 1; i < n; i++) {
       const smg_real l = A[i * n + c] *= reciprocal;
-      for (int64_t j = c + 1; j < last; j++) A[i * n + j] -= l * A[c * n + j];
+      smg_axpy(A + i * n + c + 1, -l, A + c * n + c + 1, last - c - 1);
     }
   }
   return 0;
@@ -53,10 +53,7 @@ SMG_INLINE int64_t smg_dense_panel(int64_t n, smg_real *A, smg_real *x, int64_t 
 /* The panel's rows of U to its right: U = L^-1 A. */
 SMG_INLINE void smg_dense_panel_rows(int64_t n, smg_real *A, int64_t first, int64_t last) {
   for (int64_t c = first; c < last; c++)
-    for (int64_t i = c + 1; i < last; i++) {
-      const smg_real l = A[i * n + c];
-      for (int64_t j = last; j < n; j++) A[i * n + j] -= l * A[c * n + j];
-    }
+    for (int64_t i = c + 1; i < last; i++) smg_axpy(A + i * n + last, -A[i * n + c], A + c * n + last, n - last);
 }
 
 /* The rest: A_ij -= sum of SMG_PANEL products l_ic u_cj. */

@@ -26,30 +26,21 @@
 
 /* v; the slope is x/2. That 1 - sin(t)/t is a difference of nearby numbers costs an ulp of w, not more: c is multiplied
  * by t^2. */
-SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *a, smg_real *v) {
+SMG_INLINE void smg_stage_point(const smg_real *w, const smg_real *a, smg_real *v) {
   const smg_real half = smg_norm(a), s = smg_sinc(half), square = 4 * half * half;
   const smg_real c = square > 0 ? (1 - smg_sinc(2 * half)) / square : 0;
   smg_real x[3], xx[3];
-  (void)r;
   smg_cross(x, w, a);
   smg_cross(xx, x, a);
   for (int b = 0; b < 3; ++b) v[b] = w[b] + s * s * x[b] + 4 * c * xx[b];
 }
 
-SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
-  (void)v;
-  smg_copy(a, g, 3);
-}
-
-SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *a, smg_real *u) {
+SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *a, smg_real *u) {
   const smg_real x[3] = {2 * a[0], 2 * a[1], 2 * a[2]};
   smg_real W[3] = {w[0], w[1], w[2]};
-  (void)r;
   smg_zero(u, 3);
   smg_turn_by(x, W, u);
 }
-
-SMG_INLINE smg_real smg_stage_weight(smg_real r) { return r; }
 
 SMG_INLINE int smg_stage_serves(const smg_real *a) { return smg_norm(a) < SMG_HALF_TURN; }
 

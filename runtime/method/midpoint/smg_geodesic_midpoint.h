@@ -13,6 +13,7 @@
 #define SMG_GEODESIC_MIDPOINT_H
 
 #define SMG_ONTO_LEAF 1
+#define SMG_TURNED_SLOPE 1
 
 #include "smg_model.h"
 #include "smg_rotation.h"
@@ -23,7 +24,8 @@ SMG_INLINE void smg_half_chord(smg_real r, const smg_real *a, smg_real *u) {
 }
 
 /* m. */
-SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *a, smg_real *m) {
+SMG_INLINE void smg_stage_point(const smg_real *w, const smg_real *a, smg_real *m) {
+  const smg_real r = smg_norm(w);
   smg_half_chord(r, a, m);
   smg_axpy(m, 1, w, 3);
   const smg_real size = smg_norm(m), scale = size > 0 ? r / size : 0;
@@ -33,9 +35,8 @@ SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *a
 /* a = (h/2) X(m) = m x g. */
 SMG_INLINE void smg_stage_slope(const smg_real *m, const smg_real *g, smg_real *a) { smg_cross(a, m, g); }
 
-SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *a, smg_real *u) {
-  (void)w;
-  smg_half_chord(r, a, u);
+SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *a, smg_real *u) {
+  smg_half_chord(smg_norm(w), a, u);
   smg_scale(u, 2, 3);
 }
 

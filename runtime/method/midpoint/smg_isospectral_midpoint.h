@@ -20,28 +20,19 @@
 #include "smg_model.h"
 
 /* v; the slope is g. */
-SMG_INLINE void smg_stage_point(const smg_real *w, smg_real r, const smg_real *g, smg_real *v) {
-  (void)r;
+SMG_INLINE void smg_stage_point(const smg_real *w, const smg_real *g, smg_real *v) {
   smg_cross(v, w, g);
   smg_axpy(v, 1, w, 3);
   smg_scale(v, 1 / (1 + smg_dot(g, g)), 3);
 }
 
-SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
-  (void)v;
-  smg_copy(a, g, 3);
-}
-
-SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *g, smg_real *u) {
+SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *g, smg_real *u) {
   smg_real x[3];
-  (void)r;
   smg_cross(x, w, g);
   smg_cross(u, x, g);
   smg_axpy(u, 1, x, 3);
   smg_scale(u, 2 / (1 + smg_dot(g, g)), 3);
 }
-
-SMG_INLINE smg_real smg_stage_weight(smg_real r) { return r; }
 
 SMG_INLINE int smg_stage_serves(const smg_real *a) { return (void)a, 1; }
 

@@ -30,9 +30,8 @@ SMG_INLINE void smg_rattle_turn(const smg_real *a, smg_real *q) {
 }
 
 /* W = q1* w q1. */
-SMG_INLINE void smg_stage_increment(const smg_real *w, smg_real r, const smg_real *a, smg_real *u) {
+SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *a, smg_real *u) {
   smg_real q[4], x[3];
-  (void)r;
   smg_rattle_turn(a, q);
   smg_cross(x, w, q + 1);
   smg_cross(u, x, q + 1);

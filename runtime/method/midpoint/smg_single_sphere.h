@@ -173,7 +173,7 @@ SMG_COLD static smg_status smg_sphere_iterate(smg_state *s, smg_vec u) {
     const smg_vec z = smg_sphere_tangential(
         s, smg_sphere_refine(c, w, compensation, smg_sphere_refine(c, w, compensation, f.v, f.q), f.q));
     if (!smg_sphere_confirmed(smg_vec_sub(z, f.v), f.W, z)) return SMG_NO_CONVERGENCE;
-    smg_set_found(&f, w, compensation, z, f.q, f.residual);
+    f = smg_found_at(w, compensation, z, f.q, f.residual);
     smg_sphere_commit(s, &f);
     return SMG_OK;
   }
@@ -188,8 +188,8 @@ SMG_COLD static smg_status smg_sphere_hard(smg_state *s, smg_vec u) {
     status = smg_site_solve(s, s->c.h, 0);
     if (status == SMG_OK) {
       const smg_vec w = smg_vec_load(s->w), v = smg_vec_load(s->u), S = smg_twice_midpoint(w, v);
-      smg_found f;
-      smg_set_found(&f, w, smg_vec_load(s->compensation), v, 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S)), 0);
+      const smg_real q = 1 / SMG_MATH(sqrt)(smg_vec_dot(S, S));
+      const smg_found f = smg_found_at(w, smg_vec_load(s->compensation), v, q, 0);
       smg_sphere_commit(s, &f);
     }
   }

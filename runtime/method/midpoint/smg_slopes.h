@@ -2,8 +2,8 @@
  * sites together. A method defines its sweep, smg_sweep_stages of smg_fixed_point.h, which renews them by
  * smg_renew_slopes, and, for a site at w of the length r,
  *
- *     smg_stage_increment(w, r, a, u)  u = W - w
- *     smg_stage_serves(a)              is the method defined for slopes so large?
+ *     smg_stage_increment(w, a, u)  u = W - w
+ *     smg_stage_serves(a)           is the method defined for slopes so large?
  *
  * The iteration begins where the polynomial of degree 2 or less through the slopes of the last steps leads; when that
  * fails, at rest. The lengths of w are kept as smg_lengths.h has it.
@@ -103,7 +103,7 @@ static smg_status smg_take_increments(smg_state *s) {
     const smg_real *w = s->w + 3 * k, *a = s->slopes + SMG_SLOPES * k;
     smg_real *u = s->u + 3 * k;
     if (!smg_stage_serves(a)) return smg_end_report(s, SMG_NO_CONVERGENCE, k);
-    smg_stage_increment(w, smg_norm(w), a, u);
+    smg_stage_increment(w, a, u);
     if (!smg_is_finite(u)) return smg_end_report(s, SMG_NOT_FINITE, k);
     smg_waxpy(s->points + 3 * k, 1, u, w, 3);
   }

@@ -78,21 +78,16 @@ SMG_INLINE smg_iterate smg_sphere_newton(const smg_coefficients *c, smg_vec w, s
 }
 
 /* The state that the increment v leads to. */
-SMG_INLINE void smg_set_found(smg_found *f, smg_vec w, smg_vec compensation, smg_vec v, smg_number q,
-                              smg_number residual) {
-  f->v = v;
-  f->y = smg_vec_add(v, compensation);
-  f->W = smg_vec_add(w, f->y);
-  f->q = q;
-  f->residual = residual;
+SMG_INLINE smg_found smg_found_at(smg_vec w, smg_vec compensation, smg_vec v, smg_number q, smg_number residual) {
+  const smg_vec y = smg_vec_add(v, compensation);
+  const smg_found f = {v, y, smg_vec_add(w, y), q, residual};
+  return f;
 }
 
 /* The same of one evaluation from the iterate n. */
 SMG_INLINE smg_found smg_sphere_evaluate(const smg_coefficients *c, smg_vec w, smg_vec compensation, smg_iterate n) {
   const smg_vec v = smg_image(c, smg_twice_midpoint(w, n.u), n.q);
-  smg_found f;
-  smg_set_found(&f, w, compensation, v, n.q, smg_abs(v.x - n.u.x) + smg_abs(v.y - n.u.y) + smg_abs(v.z - n.u.z));
-  return f;
+  return smg_found_at(w, compensation, v, n.q, smg_abs(v.x - n.u.x) + smg_abs(v.y - n.u.y) + smg_abs(v.z - n.u.z));
 }
 
 /* Is the change d of an increment within a unit of W in its last place? */
@@ -155,7 +150,7 @@ SMG_INLINE smg_test smg_sphere_again(const smg_coefficients *c, smg_vec w, smg_v
   smg_number q = n.q;
   if (smg_any(more)) q = smg_select(more, 1 / smg_sqrt(smg_vec_dot(S, S)), q);
   const smg_vec v = smg_image(c, S, q), z = smg_sphere_refine(c, w, compensation, v, q), d = smg_vec_sub(z, v);
-  smg_set_found(f, w, compensation, z, q, smg_vec_largest(d));
+  *f = smg_found_at(w, compensation, z, q, smg_vec_largest(d));
   const smg_vec before = smg_vec_sub(v, n.u);
   return ((more SMG_AND smg_sphere_settled(before, smg_vec_add(w, v)))SMG_OR smg_sphere_confirmed(
       d, f->W, z))SMG_AND smg_clear_of_branches(n.det)
