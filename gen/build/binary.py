@@ -18,6 +18,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from ..methods import DEFAULT
@@ -78,7 +79,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                  compiler_version(compiler), flags, UNFUSED, wide, processor(), *linked)
     text = (lambda: _generate(program, plan, features)) if generate is None else lambda: generate(spec, method, solver, features)
     place = entry(f"{spec.name}-{key[:32]}",
-                  lambda work: _build_into(work, text, caller, flags, wide))
+                  lambda work: _build_into(work, text, caller, flags, wide, not ranks))
     facts = json.loads((place / "built.json").read_text())
     if threads and not facts["notes"].get("threads"):
         raise UsageError(f"steps of {spec.name} by {method} use one thread: only lattices processed by rows can use several")
@@ -197,13 +198,13 @@ def _generate(program, plan, features):
     return emitted(program, plan, features)
 
 
-def _build_into(work, text, compiler, flags, wide):
+def _build_into(work, text, compiler, flags, wide, apart=True):
     files, notes = split_notes(text())
     if wide and notes.get("lanes") and takes(compiler, NATIVE):
         flags = (*flags, *NATIVE)
     flags = (*flags, *unfused(compiler, flags))
     write_files(files, work)
-    compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags)
+    compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags, notes.get("units", 1) if apart else 1)
     (work / "built.json").write_text(json.dumps({"notes": notes, "flags": flags}))
 
 
@@ -222,16 +223,24 @@ def write_files(files: dict, where: Path) -> None:
         (where / name).write_text(text, encoding="utf-8")
 
 
-def compile_shared(work: Path, sources, compiler, flags) -> None:
-    """model.so from `sources` in `work`. BuildError names the log that is kept."""
-    command = [*compiler, *flags, "-I", ".", *include_flags(),
-               *sources, "-o", LIBRARY, "-lm"]
+def compile_shared(work: Path, sources, compiler, flags, units: int = 1) -> None:
+    """model.so from `sources` in `work`, whose parts are compiled side by side: two of the model where it has two `units` (smg_step.h). BuildError names the log that is kept."""
+    parts = [(source, f"{source}_{unit}.o", (f"-DSMG_UNIT={unit}",) if units > 1 else ()) for source in sources for unit in (range(1, 2 if source.endswith("_abi.c") else 1 + units))]
+    with ThreadPoolExecutor(len(parts)) as pool:
+        list(pool.map(lambda part: _compile([*compiler, *flags, *part[2], "-I", ".", *include_flags(), "-c", part[0], "-o", part[1]], work, part[1]), parts))
+    _compile([*compiler, *flags, *(made for _, made, _ in parts), "-o", LIBRARY, "-lm"], work, LIBRARY)
+    for _, made, _ in parts:
+        (work / made).unlink()
+
+
+def _compile(command, work: Path, made: str) -> None:
+    """Raises BuildError where `command` does not make that file."""
     said = ran(command, work)
-    if said.returncode or not (work / LIBRARY).is_file():
+    if said.returncode or not (work / made).is_file():
         text = shlex.join(command) + "\n" + said.stderr
         log = _keep_log(text)
         first = next((line for line in said.stderr.splitlines() if "error" in line), "")
-        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it did not write a library'}\n"
+        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or f'it did not write {made}'}\n"
                          f"its output is in {log}", log=text)
 
 

@@ -7,6 +7,13 @@
 #include "smg_saved.h"
 #include "smg_sum.h"
 
+/* What the value of a sum over terms begins with: its coefficients c and the sum. */
+#define SMG_BEGIN_SUM(model, t)                        \
+  smg_coefficients k;                                  \
+  const smg_coefficients *c = smg_begin(&k, model, t); \
+  smg_sum sum = SMG_NO_SUM
+
+#if SMG_UNIT != 2
 smg_status SMG_PUBLIC(model_init)(smg_model *model, const smg_params *p) { return smg_make_model(model, p, NULL); }
 smg_status SMG_PUBLIC(set_parameters)(smg_model *model, const smg_params *p) { return smg_set_parameters(model, p); }
 int64_t SMG_PUBLIC(sites)(const smg_model *model) { return smg_sites_of(model); }
@@ -81,5 +88,6 @@ void SMG_PUBLIC(casimirs)(const smg_model *model, const smg_real *w, smg_real *o
   smg_begin(&c, model, 0);
   for (int64_t k = 0; k < smg_sites(&c); ++k) out[k] = smg_present(&c, k) * smg_casimir(&c, k, w + 3 * k);
 }
+#endif
 
 #endif

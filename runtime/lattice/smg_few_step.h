@@ -209,9 +209,12 @@ static int smg_few_solved(smg_state *s) {
   return solved && smg_lane_largest(moved.row) <= SMG_SLOWED && smg_lane_largest(moved.products) <= s->scale * s->scale;
 }
 
+#if SMG_UNIT == 2
+SMG_LINKED smg_status smg_few_iterate(smg_state *s, smg_real h);
+#else
 /* The step, or SMG_NO_CONVERGENCE, which leaves it to Newton, and the next SMG_NEWTON_STEPS steps with it; or to
  * sweeps, which count those. */
-static smg_status smg_few_iterate(smg_state *s, smg_real h) {
+SMG_LINKED smg_status smg_few_iterate(smg_state *s, smg_real h) {
   if (s->newton_steps > 0) {
     s->newton_steps -= !SMG_SWEPT;
     return SMG_NO_CONVERGENCE;
@@ -223,5 +226,6 @@ static smg_status smg_few_iterate(smg_state *s, smg_real h) {
   s->newton_steps = SMG_SWEPT ? 0 : SMG_NEWTON_STEPS;
   return SMG_NO_CONVERGENCE;
 }
+#endif
 
 #endif

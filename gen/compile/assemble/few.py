@@ -168,7 +168,7 @@ def term(p: Pull, f: Function, tag: str, n, numbers: int) -> tuple:
     i, j = Index("i"), Index("j")
     other = (Variable("smg_lanes", "other[3]"), Call("smg_few_spread", (Name("all"), Name("pitch"), j, Name("other"))))
     called = [Call(f.name, (Name("c"), j, *given, Name("own"), Name("other"), Name(out))) for out in ("g", "more")]
-    within = (*other, Zeros("more", numbers), called[1], Call("smg_few_add", (total(numbers), j - i, Name("more"), Name("g"))))
+    within = (other[0], Zeros("more", numbers), other[1], called[1], Call("smg_few_add", (total(numbers), j - i, Name("more"), Name("g"))))
     return (*entries, For("j", ZERO, i, (*other, called[0]), over="pairs"), For("j", i, Computed("smg_few_end", (i, n)), within, over="pairs"),
             For("j", i + Index("SMG_LANES"), n, (*other, called[0]), over="pairs"))
 

@@ -21,10 +21,26 @@ def parameter_functions(model) -> list:
     start = (Assign(Member("model", "p"), Unary("*", Name("p"))),)
     checks = dict.fromkeys([*checks_of(model), *Bounds(model.low, lambda f: model.by_name[f].count).checks(model.spec)])
     return [Function("void", "smg_sizes", (MODEL, Argument("const smg_params *", "p")), (*start, *sizes), target="model", wanted=True),
-            Function("smg_status", "smg_check_sizes", (KEPT,), (*checks, Return(Name("SMG_OK"))), target="model", wanted=True),
+            Function("smg_status", "smg_check_sizes", (KEPT,), (*together(checks), Return(Name("SMG_OK"))), target="model", wanted=True),
             Function("int", "smg_same_sizes", (KEPT, Argument("const smg_model *", "other")), same_sizes(model), target="model", wanted=True),
             Function("int", "smg_prepare", (MODEL,), prepared(model), target="model", wanted=True),
             set_to(model, "step", "h", STRIDE), set_to(model, "time", "t", CLOCK)]
+
+
+def together(checks):
+    """Refusals that follow each other as one, of a few tests."""
+    tests: list = []
+    for one in checks:
+        more = one.tests[0].tests if isinstance(one, If) and isinstance(one.tests[0], Either) else one.tests if isinstance(one, If) else ()
+        plain = isinstance(one, If) and len(one.tests) == 1 and one.body == refuse(True)
+        if tests and not (plain and len(tests) + len(more) <= 4):
+            yield from refuse(*tests)
+            tests = []
+        if plain:
+            tests += more
+        else:
+            yield one
+    yield from refuse(*tests)
 
 
 def set_to(model, what: str, name: str, level: int) -> Function:

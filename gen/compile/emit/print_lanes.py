@@ -80,7 +80,7 @@ class Lanes(Scalar):
 
     named: values of the function under way that are lanes.
     """
-    named = frozenset()
+    named, zeros = frozenset(), "smg_lanes"
 
     def define_function(self, f):
         self.named = {a.name for a in f.arguments if a.kind == "smg_lanes"}
@@ -103,8 +103,8 @@ class Lanes(Scalar):
         self.named.add(s.name)
         return [line]
 
-    def do_zeros(self, s):
-        return [f"smg_lanes {s.name}[{s.size}] = {{{', '.join(['smg_lane_of(0)'] * s.size)}}};"]
+    def of_zeros(self, s):
+        return f"{s.name}[{s.size}] = {{{', '.join(['smg_lane_of(0)'] * s.size)}}}"
 
 
 class LanesByValue(Lanes):

@@ -3,9 +3,11 @@ say what they print otherwise, in a class over this one.
 """
 from __future__ import annotations
 
+from itertools import groupby
+
 from sympy.logic.boolalg import Boolean
 
-from ..lower.code import Either, For, Return, mentions
+from ..lower.code import Either, For, Let, Return, Variable, Zeros, mentions
 from ..lower.integers import Int, Product, Whole, times
 from ...language.c_names import in_c
 from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
@@ -25,8 +27,8 @@ def block(head: str, lines) -> list:
 
 class Scalar:
     """`show_<node>` gives (text, strength) of a value, `do_<node>` the lines of a statement, `define_<node>` a definition;
-    `leaf` what a symbol of a formula stands for; `formulas` and `real`: the arithmetic, and its type; `linkage` of functions."""
-    formulas, real, linkage = Formulas, "smg_real", LINKAGE
+    `leaf` what a symbol of a formula stands for; `formulas` and `real`: the arithmetic, and its type; `zeros`: the type of vectors that begin as 0; `linkage` of functions."""
+    formulas, real, linkage, zeros = Formulas, "smg_real", LINKAGE, "smg_real"
     model = "c->model"      # where parameters and what they decide are found
 
     def __call__(self, node) -> str:
@@ -165,7 +167,24 @@ class Scalar:
 
     # -- statements ---------------------------------------------------------------------------
     def lines(self, statements) -> list:
-        return [line for s in statements for line in self.do(s)]
+        """Declarations of one kind that follow each other share lines."""
+        found: list = []
+        for kind, some in groupby(statements, self.shared):
+            found += [line for s in some for line in self.do(s)] if kind is None else together(kind, map(self.declarator, some))
+        return found
+
+    def shared(self, s) -> str | None:
+        """The kind of an integer, and of arrays that have no values or zeros; None of another statement."""
+        if isinstance(s, Zeros):
+            return self.zeros
+        plain = isinstance(s, Let) and s.kind == "const int64_t" or isinstance(s, Variable) and s.start is None and s.kind == self.zeros
+        return s.kind if plain else None
+
+    def declarator(self, s) -> str:
+        return self.of_zeros(s) if isinstance(s, Zeros) else f"{s.name} = {self(s.value)}" if isinstance(s, Let) else s.name
+
+    def of_zeros(self, s) -> str:
+        return f"{s.name}[{s.size}] = {{{', '.join('0' * s.size)}}}"
 
     def do(self, s) -> list:
         return getattr(self, "do_" + type(s).__name__.lower())(s)
@@ -179,9 +198,6 @@ class Scalar:
 
     def do_variable(self, s):
         return [declared(s.kind, s.name) + (f" = {self(s.start)}" if s.start is not None else "") + ";"]
-
-    def do_zeros(self, s):
-        return [f"smg_real {s.name}[{s.size}] = {{{', '.join('0' * s.size)}}};"]
 
     def do_assign(self, s):
         return [f"{self(s)};"]
@@ -260,6 +276,16 @@ class OfModel(Scalar):
 
     def known(self, f):
         return {self.model if name == "c" else name for name in super().known(f)}
+
+
+def together(kind: str, declarators) -> list:
+    """Declarations, as many in a line as there is room for."""
+    rows: list = [[]]
+    for one in declarators:
+        if rows[-1] and len(kind) + sum(len(x) + 2 for x in (*rows[-1], one)) > LINE:
+            rows.append([])
+        rows[-1].append(one)
+    return [f"{kind} {', '.join(row)};" for row in rows]
 
 
 def declared(kind: str, name: str) -> str:

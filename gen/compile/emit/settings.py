@@ -57,6 +57,11 @@ def takes_wide_functions(model: Model) -> bool:
     return model.wide is not None and elementary([*model.wide.functions, *(value for _, value, _ in model.wide.coefficients.values)])
 
 
+def units(model: Model) -> int:
+    """In how many units a library may be compiled: two where `smg_step.h` has the step of coupled sites apart."""
+    return 2 if model.plan.coupled and not model.features and "smg_step.h" in method_headers(model) else 1
+
+
 def method_headers(model: Model) -> list:
     """The method, what its step is made of, and its features."""
     composed = model.method.stages > 1

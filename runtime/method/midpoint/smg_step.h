@@ -95,8 +95,11 @@ static void smg_commit(smg_state *s) {
   smg_remember(s, SMG_HISTORY, &s->u);
 }
 
+#if SMG_UNIT == 1
+SMG_LINKED smg_status smg_advance(smg_state *s, smg_real h);
+#else
 /* One step of the size h, the time of its midpoint in s->c: the state after it, but not counted. */
-static smg_status smg_advance(smg_state *s, smg_real h) {
+SMG_LINKED smg_status smg_advance(smg_state *s, smg_real h) {
   const int newton_steps = s->newton_steps;
   smg_begin_report(s);
   s->report.status = smg_solve_step(s, h);
@@ -106,6 +109,7 @@ static smg_status smg_advance(smg_state *s, smg_real h) {
   } else s->newton_steps = newton_steps; /* a refused step leaves no trace */
   return s->report.status;
 }
+#endif
 
 #if !SMG_COMPOSED
 static smg_status smg_step(smg_state *s) {
