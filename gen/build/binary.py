@@ -240,7 +240,7 @@ def _compile(command, work: Path, made: str) -> None:
         text = shlex.join(command) + "\n" + said.stderr
         log = _keep_log(text)
         first = next((line for line in said.stderr.splitlines() if "error" in line), "")
-        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or f'it did not write {made}'}\n"
+        raise BuildError(f"the C compiler failed: {first or said.stderr.strip()[:200] or 'it did not write a library'}\n"
                          f"its output is in {log}", log=text)
 
 

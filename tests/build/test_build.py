@@ -143,7 +143,7 @@ def test_what_is_no_c_compiler(spec, tmp_path, monkeypatch, words, said):
 
 
 @pytest.mark.parametrize("words, said", [("true", "did not write a library"), ("false", "did not write a library"), ("gcc --no-such", "no-such"),
-                                         ("gcc -E", "cannot load"), ("gcc -fvisibility=hidden", "does not export the function")])
+                                         ("gcc -E", "linking not done"), ("gcc -fvisibility=hidden", "does not export the function")])
 def test_compilers_that_make_no_library_of_use(toy, monkeypatch, words, said):
     monkeypatch.setenv("CC", words)
     with pytest.raises(smidgen.BuildError, match=said):
