@@ -24,6 +24,7 @@ def field(energy, name="field"):
 
 WAVE = field("-0.5*cos(2*t + 0.3)*w[i].z + 0.2*sin(t)*w[i].x")
 ROUND = field("-0.6*(cos(3*t)*w[i].x + sin(3*t)*w[i].y)")
+STAIRS = field("-0.1*(1 + abs(mod(floor(t/0.13), 8) - 4) + mod(t, 0.7))*w[i].z")
 PULSE = field("-0.8*exp(-(t - 0.4)^2)*w[i].y + 0.3*w[i].z^2*if(mod(t, 1) < 0.5, 1, -1)")
 BENT = EXCHANGE.replace("-0.7", "-0.5*(1 + 0.4*sin(5*t))")
 TWISTED = DM.replace("0.2*", "0.2*cos(4*t)*")
@@ -35,6 +36,7 @@ SPECS = {
     "blocks": lattice("blocks", "cubic(n, n, 4, periodic)", 8, "4*n*n", EXCHANGE + PULSE),
     "honeycomb": lattice("honeycomb", "honey.all", 5, "6*n", EXCHANGE + TWISTED + ROUND, HONEY),
     "three colours": lattice("skew", "skew.near", 13, "4*n", BENT + TWISTED + WAVE, SKEW),
+    "stairs": lattice("stairs", "square(n, 6, periodic)", 6, "6*n", EXCHANGE + STAIRS),
     "damped": lattice("damped", "square(n, 6, periodic)", 6, "6*n", EXCHANGE + WAVE + DAMPING),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", EXCHANGE + PULSE, more=", radius = 1.7, kappa = -0.6"),
 }
@@ -118,9 +120,16 @@ def test_what_has_no_bound_goes_from_site_to_site(energy):
     assert not by_rows(spec) and not by_rows(spec, TURNS) and by_rows(spec, "gauss-4")
 
 
+def test_a_long_strength_leaves_the_term_whole():
+    """What has no vectors is not differentiated, however long it is."""
+    steps = field("-0.3*(1 + abs(mod(floor(t/0.07 + 0.3*sin(t)^2), 8) - 4) + cos(mod(t, 3))*exp(-mod(t + 0.2, 1)^2))*w[i].z")
+    assert by_rows(lattice("stairs", "square(n, 6, periodic)", 8, "6*n", EXCHANGE + steps))
+
+
 FORMULAS = ["cos(t)", "-2*sin(3*t)^3", "1 - a*cos(t)", "a*b*cos(t)*sin(t)", "exp(-(t - a)^2/b^2)", "1/(a^2 + 1 + t^2)", "b/(2 + sin(t))", "-1/(1 + exp(-t))", "tanh(t - a)*b", "min(max(t/3, 0), b)",
             "max(a, -abs(b*sin(t)))", "if(t < a, b, a*cos(t))", "atan(t)*a", "sqrt(2 + a*a + cos(t))", "floor(3*cos(t)) - a", "acos(sin(t))", "cosh(cos(t) - a)", "(a - cos(t))^2 - (b + sin(t))^3", "abs(b)*exp(sin(t))", "log(2 + cos(t))",
-            "asin(sin(t)/2)*a", "atan2(cos(t), sin(t))", "(1 + a*sin(t))*(b - cos(t))*(a + exp(-abs(t)))", "1/(cos(t) - 3)"]
+            "asin(sin(t)/2)*a", "atan2(cos(t), sin(t))", "(1 + a*sin(t))*(b - cos(t))*(a + exp(-abs(t)))", "1/(cos(t) - 3)",
+            "mod(t, 2)", "mod(t/3, a)*b", "abs(mod(floor(t/0.7), 8) - 4) - a", "(t - floor(t))*sin(t)", "a + mod(b*t^2, 3)"]
 
 
 @pytest.mark.parametrize("formula", FORMULAS)

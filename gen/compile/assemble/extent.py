@@ -5,6 +5,7 @@ so that what comes of it may be too wide, never too narrow. An end is None where
 """
 from __future__ import annotations
 
+import operator
 from functools import reduce
 from math import prod
 from types import MappingProxyType
@@ -20,6 +21,7 @@ from ..lower.lowering import CLOCK
 
 ALL, NO_ENDS = (None, None), MappingProxyType({})
 HALF_TURN = sp.pi / 2
+ROUNDED = 1e-14       # of a coefficient, what rounding leaves of it
 MOST = 400, 80      # nodes of an end, and how deep they are: products of products of ends grow
 
 
@@ -49,7 +51,32 @@ def extent(low, e, ends=NO_ENDS) -> tuple:
     rule = next((rule for kind, rule in RULES if isinstance(e, kind)), None)
     if rule is None:
         return ALL
-    return tuple(map(sound, rule(e, [extent(low, a, ends) if isinstance(a, sp.Expr) else ALL for a in e.args])))
+    found = tuple(map(sound, rule(e, [extent(low, a, ends) if isinstance(a, sp.Expr) else ALL for a in e.args])))
+    return found if known(*found) or not e.is_Add else remainder(low, e, ends) or found
+
+
+def remainder(low, e, ends):
+    """The extent of a sum as mod(x, n) = x - n floor(x/n): with floor(y) = y - f, 0 <= f <= 1, the time may cancel; None where it does not."""
+    for step in e.atoms(floor_):
+        part = sp.Dummy("f", real=True)
+        rest = cancelled(*(sp.expand(e.xreplace({step: x})) for x in (sp.S.Zero, plain(step.args[0]) - part)))
+        found = extent(low, rest, {**ends, part: (sp.S.Zero, sp.S.One)}) if step not in rest.atoms(floor_) else ALL
+        if known(*found):
+            return found
+    return None
+
+
+def plain(e):
+    """The operations of `written` as those of sympy."""
+    for kind, same in ((plus, operator.add), (minus, operator.sub), (written_times, operator.mul), (over, operator.truediv), (negative, operator.neg)):
+        e = e.replace(kind, same)
+    return e
+
+
+def cancelled(without, e):
+    """The sum e, whose terms include those of `without`, less terms that cancel in it but for the rounding of their coefficients."""
+    before = without.as_coefficients_dict()
+    return sp.Add(*(c * term for term, c in e.as_coefficients_dict().items() if term not in before or abs(c) > ROUNDED * abs(before[term])))
 
 
 def sound(end):

@@ -184,6 +184,7 @@ class Algebra:
     def __init__(self, slots: tuple, parts: Parts | Whole):
         self.parts = parts
         self.vectors = {s: sp.symbols(f"v{k}x v{k}y v{k}z", real=True) for k, s in enumerate(slots)}
+        parts.variables = frozenset(x for v in self.vectors.values() for x in v)
         self.leaves: dict[str, Expr] = {}
         self.written = Written(self)
 

@@ -22,14 +22,17 @@ class TooLarge(Exception):
 
 
 class Whole:
-    """A formula in one piece; TooLarge where it grows beyond `most`, its nodes and their depth."""
+    """A formula in one piece; TooLarge where it grows beyond `most`, its nodes and their depth. variables: those that it is differentiated by; what has none
+    of them counts as one node."""
     of: dict = {}
 
     def __init__(self, most=None):
         self.most = most or WHOLE
+        self.variables: frozenset = frozenset()
 
     def held(self, e):
-        if is_large(e, *self.most):
+        constant = self.variables and isinstance(e, sp.Basic) and not e.free_symbols & self.variables
+        if is_large(e, *SCALAR) if constant else is_large(e, *self.most, self.variables):
             raise TooLarge
         return e
 
@@ -70,13 +73,15 @@ class Parts:
         return self.held(sp.Add(*(self.held(term) for term in terms)))
 
 
-def is_large(e, nodes: int, depth: int) -> bool:
-    """More nodes, or more powers and functions inside each other? Looks at no more of e than it must."""
+def is_large(e, nodes: int, depth: int, variables=frozenset()) -> bool:
+    """More nodes, or more powers and functions inside each other? Looks at no more of e than it must, and into nothing without `variables`, if there are any."""
     left = [(e, 0)]
     for _ in range(nodes):
         if not left:
             return False
         one, deep = left.pop()
+        if variables and one.args and not one.free_symbols & variables:
+            continue
         deep += isinstance(one, (sp.Pow, sp.Function)) and any(a.args for a in one.args)
         if deep > depth:
             return True
