@@ -50,9 +50,8 @@ SMG_INLINE int64_t smg_few_end(int64_t i, int64_t sites) { return i + SMG_LANES 
 
 /* sum += more, of n vectors of lanes; in the lane of the site itself that is seen, 0. */
 SMG_INLINE void smg_few_add(int n, int64_t lane, const smg_lanes *more, smg_lanes *sum) {
-  const smg_lanes none = {0};
   const smg_lane_mask own = smg_lane_only(lane);
-  for (int k = 0; k < n; ++k) sum[k] += smg_lane_select(own, none, more[k]);
+  for (int k = 0; k < n; ++k) sum[k] += smg_lane_select(own, smg_lane_of(0), more[k]);
 }
 
 #endif

@@ -106,11 +106,10 @@ static inline int smg_meet_at_seam(const smg_coefficients *c) {
 
 /* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
 SMG_INLINE int64_t smg_plane_step(const smg_coefficients *c, int64_t length) {
-  const int64_t step = SMG_ROW_STEP;
   return smg_cells(c, 2) * smg_cells(c, 3) == 1 && length >= SMG_LONG_ROW &&
                  SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE && !smg_meet_at_seam(c)
              ? 1
-             : step;
+             : SMG_ROW_STEP;
 }
 
 /* Rows of a plane in the q-th turn, and the place of a row among all of its plane. */

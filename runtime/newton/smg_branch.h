@@ -30,7 +30,6 @@ SMG_RARE static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)
 
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
 SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
-  const int64_t n = 3 * smg_sites(&s->c);
   smg_whole whole = {s, h};
   smg_curve f;
 #if SMG_MATRIX_FREE
@@ -43,7 +42,7 @@ SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
 #else
   f.sign_of = NULL;
 #endif
-  smg_begin_curve(&f, n, s->w, s->scale, s->curve);
+  smg_begin_curve(&f, 3 * smg_sites(&s->c), s->w, s->scale, s->curve);
   smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   if (status != SMG_OK) {
@@ -51,7 +50,7 @@ SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
     s->report.partner = f.partner;
     return status;
   }
-  smg_copy(s->mbar, f.y, n);
+  smg_copy(s->mbar, f.y, f.n);
   const int iterations = s->report.iterations;
   status = smg_newton(s, h);
   if (iterations > 0) s->report.iterations = iterations; /* those of Newton before its solution was checked */

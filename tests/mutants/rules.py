@@ -198,7 +198,7 @@ FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_f
 LANE_STEPS, CONTROL = "runtime/members/smg_lane_dop853.h", "runtime/method/explicit/smg_dop853_template.h"
 LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
 IN_LANES = (
-    (FEW, r"smg_lane_select\(own, none, more\[k\]\)", r"more[k]"),
+    (FEW, r"smg_lane_select\(own, smg_lane_of\(0\), more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
     (FEW_STEP, r"\(smg_real\)0\.5 \* smg_h_over_kappa", r"smg_h_over_kappa"),
     (FEW_STEP, r"rate = 2 \* smg_lane_take", r"rate = smg_lane_take"),

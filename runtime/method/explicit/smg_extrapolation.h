@@ -76,12 +76,11 @@ static void smg_add_tableau_row(smg_state *s, int j) {
 }
 
 static inline void smg_solve_increment(smg_state *s) {
-  const int64_t n = 3 * smg_sites(&s->c);
   smg_set_time_at(&s->c, s, 0);
   smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
-  smg_zero(s->u, n);
+  smg_zero(s->u, 3 * smg_sites(&s->c));
   for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_add_tableau_row(s, j);
-  smg_divide(s->u, smg_tableau_unit, n);
+  smg_divide(s->u, smg_tableau_unit, 3 * smg_sites(&s->c));
 }
 #endif
 

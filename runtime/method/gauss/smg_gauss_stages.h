@@ -127,12 +127,11 @@ SMG_INLINE void smg_join_stages(const smg_gauss_work *a, int64_t k) {
 /* The points of a site, and x where the Z_i were, of the q-th block of stages; no gradient there yet. */
 SMG_INLINE void smg_place_points(const smg_gauss_work *a, int q, int64_t k) {
   const smg_real size = smg_own(a, k)[SMG_OWN_SIZE];
-  const smg_lanes zero = {0};
   smg_lanes z[4], x[4];
   for (int b = 0; b < 4; ++b) z[b] = *smg_vector_at(a, SMG_STAGE_X, b, q, k);
   smg_point(size * size, z, x, a->points + 3 * k);
   for (int b = 0; b < 4; ++b) *smg_vector_at(a, SMG_STAGE_X, b, q, k) = x[b];
-  for (int b = 0; b < 3; ++b) a->gradients[3 * k + b] = zero;
+  for (int b = 0; b < 3; ++b) a->gradients[3 * k + b] = smg_lane_of(0);
 }
 
 /* dH/dw at the points of the q-th block of stages, one a lane. */

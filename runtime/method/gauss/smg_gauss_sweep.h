@@ -129,8 +129,7 @@ SMG_INLINE void smg_join_slots(const smg_gauss_work *a, int64_t slot, const smg_
 /* L as it was, and no change, in all lanes but the first `in`. */
 SMG_INLINE void smg_only_first(const smg_gauss_work *a, int64_t slot, int64_t in, smg_lanes (*l)[4],
                                smg_lanes *change) {
-  const smg_lanes none = {0};
-  *change = smg_lane_select(smg_lane_below(in), *change, none);
+  *change = smg_lane_first(in, *change);
   for (int i = 0; i < SMG_STAGES; ++i) {
     smg_lanes as_it_was[4];
     smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), a->pitch, slot, as_it_was);
