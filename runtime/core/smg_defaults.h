@@ -63,6 +63,12 @@
 #ifndef SMG_LAW_FIRST
 #define SMG_LAW_FIRST 0
 #endif
+#ifndef SMG_RADII
+#define SMG_RADII 0
+#endif
+#ifndef SMG_RADIUS_AT
+#define SMG_RADIUS_AT 0
+#endif
 #ifndef SMG_SITE_VALUES
 #define SMG_SITE_VALUES 0
 #endif

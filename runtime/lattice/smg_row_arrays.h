@@ -3,11 +3,23 @@
 #define SMG_ROW_ARRAYS_H
 
 #include "smg_row_slots.h"
+#include "smg_row_spin.h"
 #include "smg_row_team.h"
 #include "smg_state.h"
 
 /* 1/radius^2: of a radius that the compiler knows, no number to multiply by where it is 1. */
 SMG_INLINE smg_real smg_inverse_square(const smg_coefficients *c) { return 1 / (smg_radius(c, 0) * smg_radius(c, 0)); }
+
+/* The same of sites whose radii differ: by slots, from the number SMG_RADIUS_AT on; and of those of one vector. */
+#if SMG_RADII
+typedef const smg_real *smg_inverses;
+SMG_INLINE smg_inverses smg_inverses_of(const smg_state *s) { return s->row_values + SMG_RADIUS_AT * smg_pitch(&s->c); }
+SMG_INLINE smg_inverse smg_inverse_at(smg_inverses all, int64_t slot) { return smg_lane_take(all + slot); }
+#else
+typedef smg_real smg_inverses;
+SMG_INLINE smg_inverses smg_inverses_of(const smg_state *s) { return smg_inverse_square(&s->c); }
+SMG_INLINE smg_inverse smg_inverse_at(smg_inverses all, int64_t slot) { return (void)slot, all; }
+#endif
 
 /* An array by slots, from *next on. */
 static inline smg_real *smg_place_slots(smg_real **next, size_t size) {
@@ -75,7 +87,7 @@ static inline void smg_put_absent(smg_state *s, int by_slots) {
 }
 
 /* w into slots, where it is not there yet, and back; empty ones hold a spin that nothing turns, or the vector 0 where a
- * torque would turn that. */
+ * torque would turn that, or radii differ. */
 static void smg_enter_rows(smg_state *s) {
   const int64_t pitch = smg_pitch(&s->c);
   if (!s->row_kept) {
@@ -83,7 +95,7 @@ static void smg_enter_rows(smg_state *s) {
     SMG_COLOURS_AT_ONCE(colour, n, 0) {
       const smg_share part = smg_share_of_rank(&s->c, colour, n);
       for (int64_t slot = part.from; slot < part.to; ++slot)
-        s->row_w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
+        s->row_w[2 * pitch + slot] = SMG_PUSHES || SMG_RADII ? 0 : smg_radius(&s->c, 0);
     }
     smg_to_slots(s, s->w, s->row_w);
   }

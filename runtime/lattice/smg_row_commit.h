@@ -14,7 +14,8 @@ typedef struct smg_row_going {
   smg_real *w, *lost, *m;
   const smg_real *u, *past[SMG_ROW_HISTORY];
   int64_t pitch, early, late, first;
-  smg_real inverse, weights[SMG_ROW_HISTORY];
+  smg_inverses inverses;
+  smg_real weights[SMG_ROW_HISTORY];
   int degree;
 } smg_row_going;
 
@@ -29,7 +30,7 @@ static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
                       SMG_FIRST_PITCH(&s->c),
                       SMG_LATE_PITCH(&s->c),
                       first,
-                      smg_inverse_square(&s->c),
+                      smg_inverses_of(s),
                       {0},
                       degree};
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
@@ -46,7 +47,7 @@ SMG_INLINE void smg_predict_slots(const smg_row_going go, int64_t slot, int degr
     for (int j = 0; j <= degree; ++j) u += go.weights[j] * smg_lane_take(go.past[j] + k * go.late + slot);
     m[k] = w[k] + (smg_real)0.5 * u;
   }
-  smg_lane_stretch_to(go.inverse, 0, m);
+  smg_lane_stretch_to(smg_inverse_at(go.inverses, slot), 0, m);
   smg_put_slots(go.m, go.pitch, slot, m);
 }
 

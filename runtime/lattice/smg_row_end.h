@@ -15,7 +15,8 @@ typedef struct smg_turning {
   const smg_real *w, *compensation;
   smg_real *m, *u;
   int64_t pitch, u_pitch;
-  smg_real half, inverse, small, weakest;
+  smg_inverses inverses;
+  smg_real half, small, weakest;
   int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
   smg_told told;
 #if SMG_SITE_VALUES
@@ -44,9 +45,9 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
     NULL,
     smg_pitch(&s->c),
     0,
+    smg_inverses_of(s),
     half,
-    smg_inverse_square(&s->c),
-    SMG_SMALL_PART * smg_radius(&s->c, 0),
+    SMG_SMALL_PART * smg_at_all_sites(&s->c, smg_radius),
     s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
     s->row_weak,
     s->row_stretched,
@@ -70,6 +71,7 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
                               smg_lanes *most) {
   smg_lanes w[3], u[3], e[3], room[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
+  const smg_inverse inverse = smg_inverse_at(turn.inverses, slot);
   const smg_told told = smg_told_at(turn, slot);
   const smg_lanes *R = smg_lane_respond(&told, m, g, room);
   smg_lane_cross(u, m, R); /* the rate last: pairs of spins turn each other by exactly opposite amounts */
@@ -77,10 +79,10 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
   if (turn.stretched) {
     smg_lanes lost[3];
     smg_take_slots(turn.compensation, turn.pitch, slot, lost);
-    smg_lane_stretch(w, lost, R, turn.inverse, turn.weakest, u);
+    smg_lane_stretch(w, lost, R, inverse, turn.weakest, u);
   }
   smg_lane_waxpy(e, smg_lane_of((smg_real)0.5), u, w, 3);
-  smg_lane_axpy(e, -(turn.inverse * smg_lane_dot(w, m)), m, 3);
+  smg_lane_axpy(e, -(inverse * smg_lane_dot(w, m)), m, 3);
   smg_first_lanes(in, u); /* of what is no site of the piece 0, in empty slots to stay */
   *most = smg_lane_max(*most, smg_lane_first(in, smg_lane_dot(e, e)));
   smg_put_slots(turn.u, turn.u_pitch, slot, u);
@@ -102,7 +104,7 @@ SMG_INLINE void smg_end_vector(void *context, int64_t slot, int64_t in, smg_lane
 /* The increments of some slots of a colour, and the largest square of their residual. */
 static void smg_end_part(const smg_state *s, smg_besides *known, smg_turning turn, int64_t colour, smg_share part,
                          smg_lanes *most) {
-  turn.inverse = smg_inverse_square(&s->c);
+  turn.inverses = smg_inverses_of(s);
   smg_increments_into(s, colour, &turn);
   smg_ending end = {turn, *most};
   smg_each_vector(&s->c, known, s->row_m, colour, part, &end, smg_end_vector);

@@ -143,8 +143,7 @@ static void smg_sum_go_on(smg_sum *sum) {
     MPI_Recv(sum, (int)sizeof *sum, MPI_BYTE, smg_mpi_me - 1, 2, SMG_MPI_COMM, MPI_STATUS_IGNORE);
 }
 static smg_real smg_sum_of_ranks(smg_sum *sum) {
-  if (smg_mpi_me + 1 < smg_mpi_parts)
-    MPI_Send(sum, (int)sizeof *sum, MPI_BYTE, smg_mpi_me + 1, 2, SMG_MPI_COMM);
+  if (smg_mpi_me + 1 < smg_mpi_parts) MPI_Send(sum, (int)sizeof *sum, MPI_BYTE, smg_mpi_me + 1, 2, SMG_MPI_COMM);
   smg_real found = smg_sum_of(sum);
   if (smg_mpi_parts > 1) MPI_Bcast(&found, 1, SMG_MPI_REAL, smg_mpi_parts - 1, SMG_MPI_COMM);
   return found;

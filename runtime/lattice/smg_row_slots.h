@@ -40,7 +40,12 @@ SMG_INLINE void smg_put_values(void *context, int64_t site, int64_t slot) {
   for (int64_t n = 0; n < SMG_SITE_VALUES; ++n)
     s->row_values[n * smg_pitch(&s->c) + slot] = smg_site_value(&s->c, n, site);
 }
-static void smg_fill_values(smg_state *s) { smg_each_slot(&s->c, s, smg_put_values); }
+static void smg_fill_values(smg_state *s) {
+#if SMG_RADII /* of empty slots 1 */
+  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) s->row_values[SMG_RADIUS_AT * smg_pitch(&s->c) + slot] = 1;
+#endif
+  smg_each_slot(&s->c, s, smg_put_values);
+}
 #endif
 
 /* Vectors between an array by sites and one by slots: from one to the other. */

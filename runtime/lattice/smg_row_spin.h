@@ -14,8 +14,15 @@
 #include "smg_lanes.h"
 #include "smg_spin.h"
 
+/* 1/radius^2, of one radius or of those of several sites. */
+#if SMG_RADII
+typedef smg_lanes smg_inverse;
+#else
+typedef smg_real smg_inverse;
+#endif
+
 /* rho by its root; one: |w|^2/r^2. */
-SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
+SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_inverse inverse) {
   const smg_lanes below = one - smg_lane_dot(g, g), along = smg_lane_dot(w, g);
   const smg_lanes square = below * below + 4 * inverse * (along * along);
   const smg_lanes rho2 = (smg_real)0.5 * (below + square * smg_lane_inverse_root(square));
@@ -23,14 +30,14 @@ SMG_INLINE smg_lanes smg_lane_rho(smg_lanes one, const smg_lanes *w, const smg_l
 }
 
 /* One to begin with: rho = 1 - (k - d^2)/2 + O(k^2). */
-SMG_INLINE smg_lanes smg_lane_first_rho(const smg_lanes *w, const smg_lanes *g, smg_real inverse) {
+SMG_INLINE smg_lanes smg_lane_first_rho(const smg_lanes *w, const smg_lanes *g, smg_inverse inverse) {
   const smg_lanes along = smg_lane_dot(w, g);
   return 1 - (smg_real)0.5 * (smg_lane_dot(g, g) - inverse * (along * along));
 }
 
 /* The same from one that is nearly right. */
 SMG_INLINE smg_lanes smg_lane_corrected_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_lanes rho,
-                                            smg_real inverse, int weak) {
+                                            smg_inverse inverse, int weak) {
   const smg_lanes x = rho * rho, above = smg_lane_dot(g, g) - one, along = smg_lane_dot(w, g);
   const smg_lanes off = x * (x + above) - inverse * (along * along);
   return weak ? rho - (smg_real)0.5 * off : rho - off * smg_lane_rough_inverse(rho * (4 * x + 2 * above));
@@ -51,7 +58,7 @@ SMG_INLINE smg_lanes smg_lane_inverse_root_near_1(smg_lanes x) {
 }
 
 /* |v| = r; near: where it nearly is. */
-SMG_INLINE void smg_lane_stretch_to(smg_real inverse, int near, smg_lanes *v) {
+SMG_INLINE void smg_lane_stretch_to(smg_inverse inverse, int near, smg_lanes *v) {
   const smg_lanes square = inverse * smg_lane_dot(v, v),
                   scale = near ? smg_lane_inverse_root_near_1(square) : smg_lane_inverse_root(square);
   smg_lane_scale(v, scale, 3);
@@ -64,7 +71,7 @@ SMG_INLINE void smg_lane_across(const smg_lanes *b, smg_lanes inverse, smg_lanes
 
 /* smg_stretch in the lanes where |b|^2 >= weakest, of |h b| = 1/3; inverse = 1/r^2. */
 SMG_INLINE void smg_lane_stretch(const smg_lanes *w, const smg_lanes *compensation, const smg_lanes *b,
-                                 smg_real inverse, smg_real weakest, smg_lanes *u) {
+                                 smg_inverse inverse, smg_real weakest, smg_lanes *u) {
   const smg_lanes square = smg_lane_dot(b, b), over = 1 / square;
   const smg_lane_mask some = (smg_lane_mask)(square >= weakest);
   smg_lanes v[3] = {u[0], u[1], u[2]}, W[3], along = {0};

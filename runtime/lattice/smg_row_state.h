@@ -36,7 +36,7 @@
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
   const smg_real field = smg_row_field(c, h), x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  return field < 1 ? x * smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) * smg_row_gain(c) /
+  return field < 1 ? x * smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_at_all_sites(c, smg_radius) * smg_row_gain(c) /
                          SMG_MATH(sqrt)(1 - field)
                    : SMG_MAX;
 }
@@ -78,8 +78,7 @@ static void smg_clear_rows(const smg_state *s) {
   smg_clear_slots(&s->c, s->row_w, smg_pitch(&s->c), 0, SMG_COLOURS);
   smg_clear_slots(&s->c, s->row_u, SMG_FIRST_PITCH(&s->c), 0, 1);
   smg_clear_slots(&s->c, s->row_late, SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
-  for (int j = 0; j < SMG_ROW_HISTORY; ++j)
-    smg_clear_slots(&s->c, s->past[j], SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_clear_slots(&s->c, s->past[j], SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
 }
 #endif
 

@@ -50,7 +50,8 @@ SMG_INLINE void smg_precess(const smg_turning turn, int64_t slot, smg_lanes *w, 
   for (int k = 0; k < 3; ++k) Q[k] = smg_lane_select(there, Q[k], smg_lane_of(0));
 #endif
   smg_lane_multiple(g, smg_lane_of(turn.half), F, 3);
-  smg_lane_axpy(w, smg_lane_of(-turn.half / turn.inverse), Q, 3);
+  const smg_lanes none = {0};
+  smg_lane_axpy(w, -turn.half / smg_inverse_at(turn.inverses, slot) - none, Q, 3);
 #else
   (void)slot, (void)w;
   smg_lane_scale(g, smg_lane_of(turn.half), 3);
@@ -58,11 +59,11 @@ SMG_INLINE void smg_precess(const smg_turning turn, int64_t slot, smg_lanes *w, 
 }
 
 /* |w|^2/r^2 of such a spin. */
-SMG_INLINE smg_lanes smg_precessing(const smg_turning turn, const smg_lanes *w) {
+SMG_INLINE smg_lanes smg_precessing(smg_inverse inverse, const smg_lanes *w) {
 #if SMG_TOLD
-  return turn.inverse * smg_lane_dot(w, w);
+  return inverse * smg_lane_dot(w, w);
 #else
-  return (void)turn, (void)w, smg_lane_of(1);
+  return (void)inverse, (void)w, smg_lane_of(1);
 #endif
 }
 
@@ -84,14 +85,15 @@ enum smg_row_way { SMG_FROM_BEFORE, SMG_FROM_FIELD, SMG_BY_ROOT };
 SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_row_way way, const smg_lanes *w,
                                 const smg_lanes *g) {
   smg_lanes m[3], rho;
-  const smg_lanes one = smg_precessing(turn, w);
-  if (way == SMG_BY_ROOT || (SMG_TOLD && way == SMG_FROM_FIELD)) return smg_lane_rho(one, w, g, turn.inverse);
-  if (way == SMG_FROM_FIELD) rho = smg_lane_first_rho(w, g, turn.inverse);
+  const smg_inverse inverse = smg_inverse_at(turn.inverses, slot);
+  const smg_lanes one = smg_precessing(inverse, w);
+  if (way == SMG_BY_ROOT || (SMG_TOLD && way == SMG_FROM_FIELD)) return smg_lane_rho(one, w, g, inverse);
+  if (way == SMG_FROM_FIELD) rho = smg_lane_first_rho(w, g, inverse);
   else {
     smg_take_slots(turn.m, turn.pitch, slot, m);
-    rho = turn.inverse * smg_lane_dot(w, m);
+    rho = inverse * smg_lane_dot(w, m);
   }
-  return smg_lane_corrected_rho(one, w, g, rho, turn.inverse, turn.weak);
+  return smg_lane_corrected_rho(one, w, g, rho, inverse, turn.weak);
 }
 
 /* v, along the midpoints of the slots of one vector, in place of their gradient g. */
@@ -109,7 +111,7 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
                                int watched, int small, int last, smg_row_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
-  smg_lane_stretch_to(turn.inverse, turn.weak, v);
+  smg_lane_stretch_to(smg_inverse_at(turn.inverses, slot), turn.weak, v);
   if (in < SMG_LANES) smg_lane_choose(v, smg_lane_below(in), v, m, 3);
   smg_put_slots(turn.m, turn.pitch, slot, v);
   if (!watched) return;
@@ -176,7 +178,7 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
   smg_row_motion most = smg_at_rest();
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_PIECE_ROOM];
-  turn.inverse = smg_inverse_square(&s->c);
+  turn.inverses = smg_inverses_of(s);
   if (pass.last) smg_increments_into(s, pass.colour, &turn);
   smg_begin_piece(&s->c, known, gradient, &piece);
   smg_begin_part(&s->c, pass.colour, part, &piece);

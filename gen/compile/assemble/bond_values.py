@@ -60,7 +60,7 @@ class Bonded(Sited):
 def two_ended(t) -> bool:
     """Is it a term on bonds of two sites whose gradient depends on their numbers?"""
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    both = isinstance(t.over, Lattice) and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.indices)
+    both = isinstance(t.over, Lattice) and t.derived.pushed is None and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.indices)
     told = both and (not t.over.number or len(set(t.over.bonds)) == len(t.over.bonds))      # a bond that is listed twice has two numbers
     return told and bool(set(t.over.bound) & mentions(*gradient.body))
 

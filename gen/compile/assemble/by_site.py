@@ -12,6 +12,7 @@ from ..lower.code import mentions
 from ..lower.lowering import index_names
 from .bond_values import two_ended
 from .response import formulas
+from .row_bounds import bends
 from .site_values import MOST, differs
 
 
@@ -27,7 +28,7 @@ def of_family(model, f) -> str | None:
         return f"there are {len(model.families)} families"
     if f.kind != "sphere":
         return f"`{f.name}` is not a family of spheres"
-    unlike = "kappa" if model.method.splitting == "pairs" and several(f.family.kappa, f.kappa) else "radius" if several(f.family.radius, f.radius) else ""
+    unlike = "kappa" if model.method.splitting == "pairs" and several(f.family.kappa, f.kappa) else "radius" if several(f.family.radius, f.radius) and not model.method.of_midpoints else ""
     return f"the {unlike} of `{f.name}` differs from site to site" if unlike else None
 
 
@@ -39,7 +40,7 @@ def several(formula, kernel) -> bool:
 def of_laws(model, laws) -> str | None:
     """What sites do beside precession; laws: of those that move."""
     effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
-    if model.torques:
+    if model.torques and not model.method.of_midpoints:
         return f"the torque `{model.torques[0].derived.term.name}` has no closed form"
     if model.responses and model.method.stage_rows:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
@@ -64,6 +65,12 @@ def of_term(low, t) -> str | None:
     if not differs(t) and not two_ended(t) and set(t.over.bound) & mentions(*gradient.body):
         return f"{name} differs from bond to bond"
     return None
+
+
+def of_radii(f, terms) -> str | None:
+    """Where radii differ: bounds of a Hessian that is not the same at all states are those of one radius."""
+    curved = next((t for t in terms if several(f.family.radius, f.radius) and bends(t)), None)
+    return f"the radius of `{f.name}` differs from site to site, and the energy of {curved.called} is not quadratic" if curved else None
 
 
 def of_absent(t) -> str | None:

@@ -86,11 +86,17 @@ def sound(end):
 
 def least(*ends):
     """The least of some ends, each known once."""
-    return reduce(lesser, dict.fromkeys(ends))
+    return among(min, lesser, ends)
 
 
 def largest(*ends):
-    return reduce(greater, dict.fromkeys(ends))
+    return among(max, greater, ends)
+
+
+def among(of_numbers, of_formulas, ends):
+    """Of numbers the value, of others a formula."""
+    ends = dict.fromkeys(map(sp.sympify, ends))
+    return of_numbers(ends, key=float) if all(e.is_number for e in ends) else reduce(of_formulas, ends)
 
 
 def known(*ends) -> bool:

@@ -127,6 +127,8 @@ def row_sums(model, low, f, norm):
         for sub, times_seen in meetings(t, k, len(rows)) if one != 0 else ():
             rows[sub] += times_seen * one
     kernel = low.kernel(rows, {})
+    if kernel.values and all(sp.sympify(row).is_number for row in rows):       # that share parts
+        kernel = low.kernel([max(map(sp.N, rows))], {})
     return None if kernel.values else added(dict.fromkeys(kernel.results))
 
 

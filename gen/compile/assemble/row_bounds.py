@@ -72,6 +72,12 @@ def bounds_of_term(low, t, k: int, radius) -> tuple:
     return rest_norm(low, t, k), hessian_norm(low, t, k, Spins(low, t, radius))
 
 
+def bends(t) -> bool:
+    """Is the Hessian not the same at all states?"""
+    components = {x for vector in t.derived.vectors for x in vector}
+    return any(components & block.free_symbols for block in t.derived.hessian.values())
+
+
 def rest_norm(low, t, k):
     origin = {v: 0 for vector in t.derived.vectors for v in vector}
     values = [low.number_values(sp.sympify(x).subs(origin)) for x in t.derived.gradient[k]]

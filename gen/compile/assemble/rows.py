@@ -18,7 +18,7 @@ from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
-from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_term, several
+from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_radii, of_term, several
 from .families import SITE
 from .lanes import in_lanes, named
 from .norms import row_sums
@@ -27,7 +27,7 @@ from .effort import by_rows
 from .row_bounds import bounds_of_term
 from .part import MOST_LANES, Part, buffer, placed
 from .response import response_kernel
-from .site_factors import factors, multiplied, rate_function, rated
+from .site_factors import factors, multiplied, radius_settings, radius_values, rate_function, rated
 from .site_laws import differing, law_functions, law_settings, law_values
 from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites
 from .same_bonds import energy_kernels
@@ -41,7 +41,7 @@ class Rows:
     """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
-    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site.
+    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii?
     """
     over: Lattice
     colours: Colouring
@@ -54,6 +54,7 @@ class Rows:
     rated: bool = False
     law: object = field(default=None, compare=False)
     differing: tuple = ()
+    radii: bool = False
 
     @property
     def step(self) -> int:
@@ -90,18 +91,18 @@ def rows(model, low):
 
 def rows_of(model, low, f, over, whole, laws):
     """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
-    terms, bounded = [whole.get(t.prefix, t) for t in model.energies], not model.method.stage_rows
+    terms, bounded, radii = [whole.get(t.prefix, t) for t in model.fields], not model.method.stage_rows, several(f.family.radius, f.radius)
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + len(laws))
+    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + radii + len(laws)) or of_radii(f, terms)
     if why_not:
         return why_not
     bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
-    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws)
+    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws, radii=radii)
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
         return f"{longest(model, f)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
@@ -214,7 +215,7 @@ def row_functions(model) -> list:
     apart = [f for one in found.sited.values() for f in one.functions]
     kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -263,7 +264,7 @@ def width(found: Rows) -> int:
 
 def number_of_values(found: Rows) -> int:
     """All that differ from site to site."""
-    return width(found) + len(factors(found)) + len(found.differing)
+    return width(found) + len(factors(found)) + len(found.differing) + found.radii
 
 
 def row_settings(model) -> dict:
@@ -273,7 +274,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - len(found.differing)), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -298,8 +299,8 @@ class Beside:
 
 
 def row_terms(model) -> list:
-    """Those of the energy, as rows have them."""
-    return [model.in_rows.whole.get(t.prefix, t) for t in model.energies]
+    """Those that move sites, as rows have them."""
+    return [model.in_rows.whole.get(t.prefix, t) for t in model.fields]
 
 
 def row_roles(model, whole=None) -> list:

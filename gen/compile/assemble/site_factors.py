@@ -1,9 +1,9 @@
-"""Numbers that the whole gradient of a site is multiplied by, on lattices by rows: its strength beside that of the first site, and whether it moves,
+"""Numbers that belong to a site and to no term, on lattices by rows. The whole gradient is multiplied by: its strength beside that of the first site, and whether it moves,
 unless its response says so."""
 from __future__ import annotations
 
 from ..lower.code import Assign, Call, Element, Function, Let, Name, Ordered, Return
-from ..lower.integers import ZERO, Index
+from ..lower.integers import ONE, ZERO, Index
 from .families import SITE
 from .site_values import taken_value
 
@@ -22,6 +22,17 @@ def rate_function(found) -> list:
     """smg_rate(c, k): how much more a site turns in a field than the first one does, which is what rows reckon with."""
     kappa = [Call("smg_kappa", (Name("c"), site)) for site in (ZERO, Index("k"))]
     return [Function("smg_real", "smg_rate", SITE, (Return(Ordered("/", *kappa)),), wanted=True)] if found.rated else []
+
+
+def radius_values(found) -> list:
+    """The statements that return 1/r^2 of a site, where radii differ: the last of its numbers."""
+    r = Call("smg_radius", (Name("c"), Index("site")))
+    return [(Return(Ordered("/", ONE, Ordered("*", r, r))),)] if found.radii else []
+
+
+
+def radius_settings(found, at: int) -> dict:
+    return {"SMG_RADII": 1, "SMG_RADIUS_AT": at} if found.radii else {}
 
 
 def rated(found, bound):

@@ -156,7 +156,7 @@ def value_call(name: str) -> tuple:
 def with_sites(bound, functions):
     """A bound of what all sites have alike, and those of site k."""
     apart = [Call(f.name, (Name("c"), Index("k"))) for f in functions]
-    if apart and bound.is_number(0):
+    if apart and not isinstance(bound, Ordered) and bound.is_number(0):
         bound = apart.pop(0)
     for one in apart:
         bound = Ordered("+", bound, one)

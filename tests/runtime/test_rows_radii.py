@@ -1,0 +1,66 @@
+"""Lattices by rows whose spheres have radii of their own."""
+import numpy as np
+import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
+from support.going_on import one_by_one, restored
+from support.widths import same_in_lanes
+from test_rows import DM, EXCHANGE, HONEY, SKEW, lattice
+from test_rows_held import ABSENT, PINNED
+from test_rows_in_time import by_rows, field
+from test_rows_laws import LAWS, close
+
+RADII = ', radius = "1 + mod(i, 2)/2 + mod(i, 5)/7"'
+STRENGTHS = ', kappa = "(4 + mod(i, 2))*(1 - 2*mod(i, 3)/3)"'
+SPECS = {
+    "open": lattice("radii", "square(n, 5, open)", 9, "5*n", EXCHANGE + DM + LAWS["all"], more=RADII),
+    "blocks": lattice("radii", "square(n, 8, periodic)", 16, "8*n", EXCHANGE + DM + PINNED + field("-0.3*w[i].z^2*cos(t)"), more=RADII + STRENGTHS),
+    "three colours": lattice("radii", "skew.near", 13, "4*n", EXCHANGE + ABSENT + field("-0.2*i*w[i].x/13"), SKEW, more=RADII),
+    "honeycomb": lattice("radii", "honey.all", 5, "6*n", EXCHANGE + LAWS["gilbert"], HONEY, more=RADII),
+    "drawn": lattice("radii", "chain(n, periodic)", 33, "n", EXCHANGE + LAWS["warm"], more=', radius = "0.5 + uniform(3, i)"')}
+QUICK = ("open", "blocks")
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.long) for n in SPECS])
+def test_rows_solve_the_step(name):
+    """Against the witness, which knows no rows."""
+    assert by_rows(SPECS[name]) and close(SPECS[name], 4, 5 if name == "drawn" else None) <= 4e-14
+
+
+@pytest.mark.long
+def test_states_are_those_from_site_to_site():
+    """A build with the tangent map goes from site to site."""
+    ends = [smidgen.build(SPECS["three colours"], features=f).start("random", h=0.05).steps(12).w.copy() for f in ((), ("tangent",))]
+    assert np.abs(ends[0] - ends[1]).max() <= 2e-13
+
+
+@pytest.mark.long
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
+    def built(lanes, name="open"):
+        monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+        return smidgen.build(SPECS[name])
+    assert same_in_lanes(built, (2, 4, 8)) and same_in_lanes(lambda lanes: built(lanes, "blocks"), (4, 8))
+
+
+@pytest.mark.long
+def test_the_same_bits_for_two_threads(monkeypatch):
+    wanted = smidgen.build(SPECS["open"]).start("random", h=0.08).steps(9).save()
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_SHARE=8")
+    assert np.array_equal(smidgen.build(SPECS["open"], threads=2).start("random", h=0.08).steps(9).save(), wanted)
+
+
+@pytest.mark.parametrize("name", ["open", pytest.param("blocks", marks=pytest.mark.long)])
+def test_restored_it_goes_on(name):
+    model = smidgen.build(SPECS[name])
+    assert restored(model) and one_by_one(model)
+
+
+def test_one_large_sphere_decides():
+    """For its radius no step of this h goes by rows: it has the state from site to site."""
+    assert close(lattice("large", "chain(n, periodic)", 16, "n", EXCHANGE, more=', radius = "if(i == 5, 30, 1)"'), 3, rows=False) <= 1e-11
+
+
+@pytest.mark.parametrize("energy, method, said", [("0.1*w[i].x^4", "spherical-midpoint", ", and the energy of `field` is not quadratic"), ("0.1*w[i].x", "gauss-4", "")])
+def test_what_prevents_it_is_said(energy, method, said):
+    spec = lattice("radii", "chain(n, periodic)", 16, "n", EXCHANGE + field(energy), more=RADII)
+    assert generate(spec, method).notes["reason"].endswith(f"the radius of `w` differs from site to site{said}")

@@ -1,0 +1,70 @@
+"""Lattices by rows with torques that have no closed form: fields beside the gradients, of a site alone and of its neighbours."""
+import numpy as np
+import pytest
+import smidgen
+from smidgen.compile.emit.emit import generate
+from support.going_on import one_by_one, restored
+from support.widths import same_in_lanes
+from test_rows import DM, EXCHANGE
+from test_rows_by_site import KINDS, PLACES, drawn
+from test_rows_held import ABSENT, PINNED, TORQUE, WARM
+from test_rows_in_time import by_rows
+from test_rows_laws import BY_SITE, close
+
+
+def pushed(torque: str, over="site(i) of w", name="push") -> str:
+    return f'[effects.{name}]\nover = "{over}"\ntorque = "{torque}"\n'
+
+
+OWN = pushed("0.2*w[i].z*cross(w[i], vec(0, 1, 0))")
+TORQUES = {
+    "own": OWN, "damped": OWN + WARM, "held": OWN + PINNED + ABSENT, "in time": pushed("0.3*cos(t)*cross(w[i], cross(w[i], vec(w[i].x, 0, 0)))"),
+    "by site": pushed("0.2*(1 + mod(i, 3))*w[i].y*cross(w[i], vec(1, 0, 0.5))"), "both": OWN + TORQUE + BY_SITE, "of neighbours": "{beside}", "all": OWN + TORQUE + BY_SITE + PINNED + "{beside}"}
+QUICK = (("three colours", "all"), ("blocks", "held"))
+
+
+def spec_of(place, kind):
+    beside = pushed("0.1*cross(w[i], cross(w[i], w[j]) - w[j])", f"bond(i, j) of {PLACES[place][0]}", "beside")
+    return drawn(place, KINDS["in time"], bonds=EXCHANGE + DM + TORQUES[kind].replace("{beside}", beside))
+
+
+@pytest.mark.parametrize("place, kind", [pytest.param(p, k, marks=() if (p, k) in QUICK else pytest.mark.long) for p, k in
+                                         [*QUICK, *(("odd square", k) for k in TORQUES), *((p, "all") for p in ("ring", "ladder", "honeycomb", "pieces"))]])
+def test_rows_solve_the_step(place, kind):
+    """Against the witness, which knows no rows."""
+    spec = spec_of(place, kind)
+    assert by_rows(spec) and close(spec, 4 if PLACES[place][3] < 200 else 2, 5 if kind == "damped" else None) <= 2e-14
+
+
+@pytest.mark.long
+def test_states_are_those_from_site_to_site():
+    """A build with the tangent map goes from site to site."""
+    ends = [smidgen.build(spec_of("ladder", "all"), features=f).start("random", h=0.07).steps(12).w.copy() for f in ((), ("tangent",))]
+    assert np.abs(ends[0] - ends[1]).max() <= 1e-13
+
+
+@pytest.mark.long
+def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
+    def built(lanes, place="three colours"):
+        monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+        return smidgen.build(spec_of(place, "all"))
+    assert same_in_lanes(built, (2, 4, 8)) and same_in_lanes(lambda lanes: built(lanes, "blocks"), (4, 8))
+
+
+@pytest.mark.long
+def test_the_same_bits_for_two_threads(monkeypatch):
+    spec = spec_of("three colours", "all")
+    wanted = smidgen.build(spec).start("random", h=0.08).steps(9).save()
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_SHARE=8")
+    assert np.array_equal(smidgen.build(spec, threads=2).start("random", h=0.08).steps(9).save(), wanted)
+
+
+@pytest.mark.parametrize("place", [pytest.param("blocks", marks=pytest.mark.long), "three colours"])
+def test_restored_it_goes_on(place):
+    model = smidgen.build(spec_of(place, "all"))
+    assert restored(model) and one_by_one(model)
+
+
+@pytest.mark.parametrize("method, torque, said", [("gauss-4", "0.2*w[i].z*cross(w[i], vec(0, 1, 0))", "the torque `push` has no closed form"), ("spherical-midpoint", "0.2*cross(w[i], vec(0, 1, 0))/w[i].z", "the field of `push` has no bound that holds at all times")])
+def test_what_prevents_it_is_said(method, torque, said):
+    assert generate(drawn("ring", bonds=EXCHANGE + pushed(torque)), method).notes["reason"].endswith(f"site by site, because {said}")
