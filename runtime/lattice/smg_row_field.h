@@ -47,16 +47,9 @@ static smg_law_sizes smg_law_sizes_of(const smg_coefficients *c) {
  * r^2 (1 - 2 r |P|), and where the sum is below 1, s is more than r |P| and rho = s + m.P positive
  * (smg_own_response.h). */
 static inline smg_real smg_row_field(const smg_coefficients *c, smg_real h) {
-<<<<<<< HEAD
-=======
-  const smg_real g = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h)) *
-                     (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_at_all_sites(c, smg_radius) +
-                      smg_at_all_sites(c, smg_rest_field_norm));
-#if SMG_TOLD
->>>>>>> b7914ed2 (Spheres with radii of their own and torques without a closed form go by rows)
   const smg_real x = smg_abs((smg_real)0.5 * smg_h_over_kappa(c, 0, h));
-  const smg_real g =
-      x * (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_radius(c, 0) + smg_at_all_sites(c, smg_rest_field_norm));
+  const smg_real g = x * (smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_at_all_sites(c, smg_radius) +
+                          smg_at_all_sites(c, smg_rest_field_norm));
 #if SMG_TOLD
   const smg_law_sizes law = smg_law_sizes_of(c);
   const smg_real G = law.f * g + x * law.F0, P = law.q * g + x * law.Q0;
