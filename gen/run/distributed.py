@@ -53,7 +53,8 @@ def resume_distributed(path, progress=None):
     model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     if differing := [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]:
-        raise CheckpointError(f"{path} was started with another {', '.join(differing)}: the bits would differ. Remove {store.folder} to start again")
+        raise CheckpointError(f"{path} was started with another {', '.join(differing)}: the bits would differ. "
+                              f"Remove {store.folder} to start again")
     return complete(model, settings, store, newest, progress)
 
 
@@ -63,9 +64,11 @@ def refuse(spec, s: Settings, out) -> None:
         raise UsageError("--distributed writes HDF5 in parts: give --out result.h5")
     other = [name for name in s.what if name not in OF_OUTPUTS and name not in {o.name for o in spec.observables}]
     if other:
-        raise UsageError(f"with --distributed there is no output '{other[0]}', which needs the whole state: choose from {', '.join(OF_OUTPUTS)} and observables")
+        raise UsageError(f"with --distributed there is no output '{other[0]}', which needs the whole state: "
+                         f"choose from {', '.join(OF_OUTPUTS)} and observables")
     if not (s.start is None or isinstance(s.start, str)):
-        raise UsageError("with --distributed, a start is one of the spec, which each rank evaluates at its own sites: a file given as --start is not read in parts")
+        raise UsageError("with --distributed, a start is one of the spec, which each rank evaluates at its own sites: "
+                         "a file given as --start is not read in parts")
     for asked, what in ((s.substeps, "--substeps"), (s.averages, "averages"), (s.estimate, "--estimate")):
         if asked:
             raise UsageError(f"--distributed does not support {what}, which needs the whole state")
@@ -134,7 +137,8 @@ class Store:
     def create(self, meta: dict, arrays: dict) -> dict:
         """Begin a run; name -> Place of its arrays."""
         if (self.folder / "newest.json").exists():
-            raise CheckpointError(f"{self.out} has checkpoints of a run that was not finished: continue with `smidgen run --resume {self.out}`, or remove {self.folder}")
+            raise CheckpointError(f"{self.out} has checkpoints of a run that was not finished: "
+                                  f"continue with `smidgen run --resume {self.out}`, or remove {self.folder}")
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir()
         self.put("run.json", meta)
@@ -248,7 +252,8 @@ class Rows:
         """This rank's part of a row."""
         if self.family in self.layout:
             self.put(self.family, self.places[self.family].row(self.count), self.model.part)
-        numbers = {**values, "step": self.model.count, "t": self.model.t, f"momentum.{self.family}": [values.get(f"momentum.{self.family}.{x}") for x in "xyz"]}
+        momentum = f"momentum.{self.family}"
+        numbers = {**values, "step": self.model.count, "t": self.model.t, momentum: [values.get(f"{momentum}.{x}") for x in "xyz"]}
         for name, (_, kind) in self.layout.items() if ranks.first() else ():
             if name != self.family:
                 write_at(self.store.handle, np.asarray(numbers[name], kind), self.places[name].row(self.count))
@@ -261,8 +266,8 @@ class Rows:
         """A checkpoint: the rows and the state of all ranks are on the disk before it counts."""
         store, name = self.store, f"state-{self.model.count}.bin"
         on_all(store, lambda: (store.write_state(self.model, name), os.fsync(store.handle)))
-        facts = {"state": name, "rows": self.count, "seconds": seconds, "first": self.first, "largest": self.largest, "checkpoint": self.settings.checkpoint,
-                 "places": {key: [place.offset, place.shape, place.kind.str] for key, place in self.places.items()}}
+        facts = {"state": name, "rows": self.count, "seconds": seconds, "first": self.first, "largest": self.largest,
+                 "checkpoint": self.settings.checkpoint, "places": {key: [place.offset, place.shape, place.kind.str] for key, place in self.places.items()}}
         on_first(store, lambda: self.count_on(facts))
 
     def count_on(self, facts) -> None:
@@ -283,10 +288,14 @@ class Rows:
         model.close()
         columns = list(self.layout)
         on_first(self.store, lambda: self.store.finish(meta, self.count, columns, keep))
-        kind = "changes" if driven(model.scene) else "errors"
-        summary = {"t": t, "errors": {}, "changes": {}, "axes": [], "without": [], "at_end": [], "by_rows": None, "in_parts": 0, "halved": halved, "nearest": None,
-                   "seconds": clock.perf_counter() - began, **({kind: {"energy": self.largest}} if self.count > 1 and self.first is not None else {})}
-        return result_of(meta, {"step": np.empty(0, np.int64), "t": np.empty(0)}, summary)
+        facts = {"t": t, "halved": halved, "seconds": clock.perf_counter() - began}
+        return result_of(meta, {"step": np.empty(0, np.int64), "t": np.empty(0)}, {**self.summary(), **facts})
+
+    def summary(self) -> dict:
+        """As that of other runs; of deviations only that of the energy over the outputs is known."""
+        kind = "changes" if driven(self.model.scene) else "errors"
+        nothing = {"errors": {}, "changes": {}, "axes": [], "without": [], "at_end": [], "by_rows": None, "in_parts": 0, "nearest": None}
+        return {**nothing, **({kind: {"energy": self.largest}} if self.count > 1 and self.first is not None else {})}
 
     def write_last(self) -> None:
         """What no row has: the last state, and where sites stand."""

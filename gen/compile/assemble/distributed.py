@@ -1,4 +1,7 @@
-"""Ranks with memory of their own (runtime/lattice/smg_row_parts.h): what a model must be for it, and how far the terms of a rank's sites reach."""
+"""Ranks with memory of their own (runtime/lattice/smg_row_parts.h).
+
+What a model must be for it, and how far the terms of a rank's sites reach.
+"""
 from __future__ import annotations
 
 from ...errors import UsageError
@@ -30,7 +33,8 @@ def slowest(over: Lattice) -> int:
 
 def reach(spec) -> int:
     """Cells of the slowest direction that terms reach from a site to others."""
-    return max((abs(offset[-1]) for term in (*spec.energies, *spec.observables) if isinstance(term.over, Lattice) for bond in term.over.bonds for _, offset in bond), default=0)
+    bonds = [bond for term in (*spec.energies, *spec.observables) if isinstance(term.over, Lattice) for bond in term.over.bonds]
+    return max((abs(offset[-1]) for bond in bonds for _, offset in bond), default=0)
 
 
 def undivided(over: Lattice, term) -> str:

@@ -1,4 +1,7 @@
-"""An HDF5 file whose arrays have their places from the beginning, so that several processes write their parts of them at once, without HDF5."""
+"""An HDF5 file whose arrays have their places from the beginning.
+
+Several processes write their parts of them at once, without HDF5.
+"""
 from __future__ import annotations
 
 import json

@@ -24,8 +24,8 @@ WINDOW = 1 << 18        # sites whose vectors are found, or saved, at a time
 def divided(prepared: Prepared, real: str, native: bool | None, fast: bool, threads: int | None) -> Divided:
     """Compile it, or find it in the cache. Raises UsageError for a model that cannot be divided."""
     with ranks.first_first():
-        built = build_library(prepared.scene, prepared.method, prepared.solver, real, native, (FEATURE,), fast=fast, threads=threads is not None,
-                              ranks=ranks.count() > 1, plan=prepared.plan)
+        built = build_library(prepared.scene, prepared.method, prepared.solver, real, native, (FEATURE,), fast=fast,
+                              threads=threads is not None, ranks=ranks.count() > 1, plan=prepared.plan)
     model = Divided(prepared, built, threads)
     ranks.check(model._library)
     return model
@@ -45,11 +45,14 @@ class Numbers:
 
 
 class Divided(Integrator):
-    """An Integrator whose `w` is None: this rank has the sites from `first` to `end` - 1, as `part` shows them. All ranks make the same calls."""
+    """An Integrator whose `w` is None: this rank has the sites from `first` to `end` - 1, as `part` shows them.
+
+    All ranks make the same calls."""
     first: int
     end: int
 
-    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None, member: int = 0) -> Divided:
+    def start(self, w=None, t0: float = 0.0, h: float | None = None, seed: int | None = None, tolerance: float | None = None,
+              member: int = 0) -> Divided:
         """Start a trajectory from a start of the spec, by its name, as `Integrator.start` does."""
         noise = noise_of(self.scene, h, seed, member)
         self.close()
@@ -58,7 +61,8 @@ class Divided(Integrator):
         self._c.part_of(self._passed[0].ctypes.data, self._passed[2], part.ctypes.data)
         self._now(first=int(part[0]), end=int(part[1]))
         if ranks.count() > 1 and self.end - self.first == self.sites:
-            raise UsageError(f"the lattice is too small, or its shape does not allow, to be divided among {ranks.count()} ranks: use fewer, or run without --distributed")
+            raise UsageError(f"the lattice is too small, or its shape does not allow, to be divided among {ranks.count()} ranks: "
+                             "use fewer, or run without --distributed")
         self._begin(w, seed, checked_tolerance(tolerance))
         if noise:
             self._c.set_seed(self._state, *noise)
@@ -118,7 +122,8 @@ class Divided(Integrator):
     def restore(self, saved: np.ndarray) -> Divided:
         """As `Integrator.restore`; of what was saved each rank reads its part."""
         self._started()
-        status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (self._c.savesize(self._state),) else Status.BAD_PARAMETER
+        fits = saved.shape == (self._c.savesize(self._state),)
+        status = self._c.restore(self._state, saved.ctypes.data) if fits else Status.BAD_PARAMETER
         if status:
             raise RunError(f"not a saved state of {self.name}: {STATUS[status][1]}", status)
         head = Saved.of(saved)
