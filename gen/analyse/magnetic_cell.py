@@ -26,7 +26,7 @@ class Sites:
         self.members: dict = {}
         for name, (first, count) in numbers.places.items():
             if count % self.cells:
-                raise UsageError(f"the {count} sites of '{name}' are not the same number in each of the {self.cells} cells of the lattice")
+                raise UsageError(f"'{name}' has {count} sites, which cannot be divided equally among the {self.cells} cells of the lattice")
             each = count // self.cells
             within.append(offset + np.arange(count) % each)
             number.append(np.arange(count) // each)

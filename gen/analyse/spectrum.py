@@ -226,7 +226,7 @@ def affordable(numbers: int, autocorrelation: bool) -> None:
     """Raise UsageError for a spectrum beyond MEMORY."""
     total = numbers * (120 if autocorrelation else 72)
     if total > MEMORY:
-        raise UsageError(f"the spectrum takes {total / 2 ** 30:.1f} GiB of memory, of {MEMORY / 2 ** 30:.0f}: choose fewer q, a larger every, or more parts")
+        raise UsageError(f"the spectrum takes {total / 2 ** 30:.1f} GiB of memory, but at most {MEMORY / 2 ** 30:.0f} are allowed: choose fewer q, a larger every, or more parts")
 
 
 def stepped(model, settings, family: str, grid: Grid, keeper: Keeper, progress) -> Recorder:

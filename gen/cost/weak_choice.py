@@ -46,7 +46,7 @@ def asked_mean(error, energy, symplectic) -> float:
     if energy is not None or symplectic:
         raise UsageError("at a temperature the energy changes, and steps are not symplectic: ask for the error of a mean (--error 1e-3, and --mean for a quantity other than the energy)")
     if error is None or not 0 < error < math.inf:
-        raise UsageError("give the accuracy: the error of a mean (--error 1e-3), a positive number")
+        raise UsageError("give the accuracy as a positive error of the mean (--error 1e-3)")
     return float(error)
 
 

@@ -27,7 +27,7 @@ def best(overs):
     ranks = [((isinstance(over, Graph) or not over.places.assumed, directions(over)), over) for over in overs if over.places is not None]
     found = [over for rank, over in ranks if rank == max(rank for rank, _ in ranks)]
     if len({geometry(over) for over in found}) > 1:
-        raise ValueError("lattices of different places")
+        raise ValueError("two lattices place the sites differently")
     return found[0] if found else None
 
 

@@ -4,7 +4,7 @@ If X(w) = 0, a step gives W = w exactly: each product that vanishes must be an e
 
 Round-off that is a random walk grows like N^(1/2), where N is the number of steps; a bias grows like N. The exponent is fitted to the
 root mean square of the changes over windows of one orbit, and over orbits. The mean rounding error along a quasi-periodic
-orbit is not exactly zero. With the last evaluation in double precision, about 1e-22 per step remain, of either sign, which become visible from
+orbit is not exactly zero. With the last evaluation in double precision, an error of about 1e-22 per step remains, of either sign, which becomes visible from
 1e7 steps on ([round_off.md](round_off.md)). The bound 1e-18 sqrt(N) is required up to 1e7 steps of the default, and up to 1e8 steps of the
 feature `extended`, whose last evaluation has more digits.
 """
@@ -49,12 +49,12 @@ def one_zero():
         mirror = np.where(np.array(w) == 0, 1, -1)
         yield Row(f"w = {w}: finite", "finite", str(np.round(end[0], 6).tolist()), bool(np.all(np.isfinite(end))))
         # H is even in each component; turning by pi about the axis that is zero is a symmetry of the step
-        yield same_bits(f"w = {w}: rotated by pi about the zero axis, before or after the step", one.start(np.array([w]) * mirror + 0.0, h=0.3).steps(50).w, end * mirror)
+        yield same_bits(f"w = {w}: rotated by pi about the axis whose component is 0, before or after the step", one.start(np.array([w]) * mirror + 0.0, h=0.3).steps(50).w, end * mirror)
 
 
 @case("denormal numbers in a start")
 def denormals():
-    """Components of 5e-324 stand next to 1. The result is finite, the energy is conserved, and the large components are the same as without them."""
+    """The start has components of 5e-324 and one of 1. The result is finite, the energy is conserved, and the large components are the same as without them."""
     # broken by: 1/component, a relative test that never ends
     one = model(begin("free_rigid_body"))
     for axis in range(3):

@@ -172,7 +172,7 @@ def about_their_sum():
             found = np.abs(turns(w, model.w)) if error is None else [float("nan")]
             yield near(f"strengths {k1:g}, {k2:g}, h = {h:g}: angle", found[0], turn_of(h, 1.0, k1, k2, gap), 32 * EPS)
         off = [abs(np.abs(turns(w, model.start(w.copy(), h=1 / n).steps(n).w)[0]) - float(S / (k1 * k2))) for n in (64, 128)]
-        yield near(f"strengths {k1:g}, {k2:g}: error of the rate, at h divided by that at h/2", off[0] / off[1], 4, 0.05)
+        yield near(f"strengths {k1:g}, {k2:g}: error of the rate at h, divided by that at h/2", off[0] / off[1], 4, 0.05)
 
 
 # -- fields that change in time ---------------------------------------------------------------------

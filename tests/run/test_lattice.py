@@ -18,7 +18,7 @@ def test_the_lattice_of_a_family():
     assert smidgen.lattice.of(smidgen.load("j1j2_chain")).size == (60,)
     with pytest.raises(smidgen.UsageError, match="no lattice joins the sites of"):
         smidgen.lattice.of(smidgen.load("point_vortices"))
-    with pytest.raises(smidgen.UsageError, match="no family 'v' in film"):
+    with pytest.raises(smidgen.UsageError, match="film has no family 'v'"):
         smidgen.lattice.of(film, "v")
 
 

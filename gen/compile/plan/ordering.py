@@ -65,7 +65,7 @@ def symbolic(size: int, edges, limit: int | None = None) -> Pattern:
     if limit is not None and size + 2 * _distinct(edges) > limit:
         raise TooMuchFill(f"the factors need more than {limit} blocks")
     if edges.size and (edges.min() < 0 or edges.max() >= size):
-        raise ValueError(f"an edge names a site beyond the {size} sites")
+        raise ValueError(f"an edge names a site that does not exist: there are {size} sites")
     order, higher = minimum_degree(_adjacency(size, edges), limit)
     return _pattern(size, edges, order, higher)
 

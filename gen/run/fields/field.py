@@ -45,8 +45,8 @@ class Field:
             raise UsageError(f"the start has {len(self.vectors)} vectors, but {spec.name} has {count} sites")
         grids = [grid for name in numbers.places for grid in grids_of(numbers, name)]
         if self.size and grids and not any(grid.sites == 1 and padded(grid) == self.size for grid in grids):
-            raise UsageError(f"the start is on {said(self.size)} cells, but {spec.name} is on {' and '.join(said(g.size) for g in grids)}"
-                             + " of several sites" * all(g.sites > 1 for g in grids))
+            raise UsageError(f"the start has {said(self.size)} cells, but {spec.name} has {' and '.join(said(g.size) for g in grids)}"
+                             + " with several sites each" * all(g.sites > 1 for g in grids))
         return on_spheres(self.vectors, numbers.radii)
 
 

@@ -146,8 +146,8 @@ def family_of(spec: Spec, family: str | None) -> str:
     if family is None and len(names) == 1:
         return names[0]
     if family not in names:
-        said_ = "which family" if family is None else f"no family '{family}'"
-        raise UsageError(f"{said_} in {spec.name}? It has: {', '.join(names)}")
+        wrong = f"{spec.name} has several families" if family is None else f"{spec.name} has no family '{family}'"
+        raise UsageError(f"{wrong}: choose one of {', '.join(names)}")
     return family
 
 
