@@ -98,7 +98,8 @@ SMG_INLINE void smg_dense_substitute(int64_t n, const smg_real *A, smg_real *x) 
 
 /* The sum of abs(A - I) over row i. */
 static inline smg_real smg_dense_row_sum(int64_t n, const smg_real *A, int64_t i) {
-  return smg_add_sizes(0, n, A + i * n, i);
+  const smg_real *row = A + i * n, left = smg_add_sizes(0, i, row, -1) + smg_abs(row[i] - 1);
+  return smg_add_sizes(left, n - i - 1, row + i + 1, -1);
 }
 
 /* True when x.A x >= x.x/4 for all x, by the Cholesky factors of (A + A^T)/2 - I/4 in place of A. */
