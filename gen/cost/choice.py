@@ -32,6 +32,7 @@ SPENT = 60.0        # seconds that are measured at a temperature
 MARGIN = 0.6        # of the error asked for, which the choice aims at
 SLOWER = 4.0        # times the best so far: a method that needs more is left
 ROUNDS = 40         # runs of a method at most while its step is looked for
+LARGER = 1, 10, 100     # times the tolerance that surely is small enough
 TRIES = 3           # runs that bring the step closer to the largest one that is good enough
 SECONDS = 10.0      # a run that takes longer is too long to choose by
 COMPILED = 0.05     # seconds of the processor: what takes less was in the cache
@@ -197,10 +198,15 @@ def larger_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> Row
 
 
 def with_tolerance(case: Case, row: Row, known: Reference, asked: dict) -> list[Row]:
-    """The same run with iterations that leave a part of what was asked for, where there are some and that is still good enough."""
-    if "end_error" not in asked:
-        return []
-    return [found for found in loosened(case, row, known, PART * MARGIN * asked["end_error"] / row.steps) if enough(found, asked)]
+    """The same run with iterations that leave a part of what was asked for, where there are some: to the largest tolerance that is good enough. What
+    steps leave is seldom of one sign, so that together they leave less than their number times the tolerance."""
+    found: list[Row] = []
+    for larger in LARGER if "end_error" in asked else ():
+        rows = loosened(case, row, known, larger * PART * MARGIN * asked["end_error"] / row.steps)
+        if not all(enough(one, asked) for one in rows):
+            break
+        found = rows or found
+    return found
 
 
 def jump(name: str, row: Row, asked: dict) -> float:

@@ -496,6 +496,22 @@ def test_explicit_steps_have_no_tolerance_to_end_at():
     assert [name for name, rows in swept.items() if rows] == ["gauss-4"]
 
 
+@pytest.mark.quick
+def test_a_choice_takes_the_largest_tolerance_that_is_good_enough(monkeypatch):
+    """Of those that spare sweeps; it asks for no larger one behind a failure."""
+    tried = []
+
+    def loosened(case, row, known, tolerance):
+        tried.append(tolerance)
+        return [] if tolerance < 1e-9 else [tolerance]
+    monkeypatch.setattr(choice, "loosened", loosened)
+    for good, expected, asked in ((1.0, 6e-8, 3), (1e-8, 6e-9, 3), (1e-12, None, 2)):
+        tried.clear()
+        monkeypatch.setattr(choice, "enough", lambda found, _, good=good: found <= good)
+        found = choice.with_tolerance(None, SimpleNamespace(steps=100), None, {"end_error": 1e-6})
+        assert [round(x, 12) for x in found] == ([] if expected is None else [expected]) and len(tried) == asked
+
+
 def test_a_choice_tells_when_it_is_ahead_of_a_general_integrator():
     spec = smidgen.load("free_rigid_body")
     pick = smidgen.choose(spec, error=1e-6, time=10, methods=("gauss-4", "gauss-6"))
