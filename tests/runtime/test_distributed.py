@@ -9,7 +9,7 @@ from smidgen.errors import UsageError
 from smidgen.resources import include_flags
 from smidgen.run.step.start import initial_state
 from test_ranks import BATH, LONG, SMALL, mpirun, needs_mpi
-from test_rows import DM, EXCHANGE, FIELD, lattice
+from test_rows import DM, EXCHANGE, FIELD, SPECS, lattice
 
 # Numbers of other ranks are NaN wherever a rank is given some. Every rank writes its part of the saved state and of w into one file.
 MAIN = """
@@ -246,6 +246,5 @@ def test_memory_that_is_touched_is_seen(tmp_path):
 def test_models_that_cannot_be_divided_are_refused():
     with pytest.raises(UsageError, match="feature distributed: only lattices processed by rows"):
         generate(smidgen.load("point_vortices"), features=("distributed",))
-    far = lattice("twice", "chain(n, periodic, 2)", 900, "n")
     with pytest.raises(UsageError, match="on a chain it must be over one kind of bond"):
-        generate(far, features=("distributed",))
+        generate(SPECS["far"], features=("distributed",))
