@@ -69,6 +69,9 @@
 #ifndef SMG_RADIUS_AT
 #define SMG_RADIUS_AT 0
 #endif
+#ifndef SMG_BESIDE_NORMS
+#define SMG_BESIDE_NORMS 0
+#endif
 #ifndef SMG_SITE_VALUES
 #define SMG_SITE_VALUES 0
 #endif

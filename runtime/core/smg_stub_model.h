@@ -70,7 +70,7 @@ static const int32_t smg_block_rows[2] = {0}, smg_rows[3] = {0}, smg_columns[4] 
 #define SMG_ROW_CLASSES 2
 static const int64_t smg_row_classes[SMG_ROW_CLASSES][6] = {{0}};
 #endif
-#if defined(SMG_ROW_SWEEP_H) || defined(SMG_ROW_WAVE_H) || defined(SMG_ROW_STEP_H)
+#if defined(SMG_ROW_SWEEP_H) || defined(SMG_ROW_WAVE_H) || defined(SMG_ROW_STEP_H) || defined(SMG_ROW_BEYOND_H)
 #define SMG_BY_ROWS 1
 #endif
 #if defined(SMG_STAGE_PREDICTOR_H) || defined(SMG_COMPOSITION_H) || defined(SMG_COMPOSED_TANGENT_H)
@@ -126,7 +126,7 @@ typedef struct smg_state {
   int64_t row_passes, row_fewest, row_from, row_near, row_reach;
   int32_t *row_beside;
   void *row_kinds;
-  smg_real row_bound, *row_w, *row_compensation, *row_m, *row_u, *row_late;
+  smg_real row_bound, *row_w, *row_compensation, *row_m, *row_u, *row_late, *row_beyond;
   smg_real *w, *compensation, *u, *m, *mbar, *g, *r, *s, *G, *S, *x, *A, *work, *curve, *sums, *mean, *v, *hessian_v;
   smg_real *product, *few, *misses, *prepared, *before, *increments, *leaf_value, *points, *slopes, *inverse, *stages;
   smg_real *tableau, *turns, *past_slopes, *low, *wide_m, *wide_g, *wide_v, *wide_d, *wide_e, *wide_s, *wide_y;

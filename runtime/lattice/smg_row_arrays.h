@@ -66,11 +66,11 @@ static inline void smg_forget_rows(const smg_state *s) {
 }
 
 /* What is in them. */
-static inline void smg_make_tables(smg_state *s) {
+static inline void smg_fill_tables(smg_state *s) {
   smg_blocks blocks;
-  if (s->rows && smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
+  if (smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
 #if SMG_SITE_VALUES
-  if (s->rows) smg_fill_values(s);
+  smg_fill_values(s);
 #endif
 }
 
@@ -102,8 +102,8 @@ static void smg_enter_rows(smg_state *s) {
   smg_release_other(s);
 }
 
-/* A call of some steps begins: what stands beside the sites, ranks and threads; w into slots. */
-static void smg_begin_call(smg_state *s, smg_besides *known) {
+/* What stands beside the sites. */
+static void smg_know_rows(const smg_state *s, smg_besides *known) {
   smg_blocks found;
   const smg_blocks *blocks = smg_blocks_of(s, &found);
   smg_forget_besides(&s->c, known);
@@ -115,10 +115,20 @@ static void smg_begin_call(smg_state *s, smg_besides *known) {
   known->values = s->row_values;
 #endif
   if (blocks) smg_order_lanes(blocks, known->order);
-  smg_begin_ranks(s, known);
+}
+
+/* Threads, and w into slots. */
+static void smg_begin_team(smg_state *s, smg_besides *known) {
   s->row_team = smg_row_team(&s->c);
-  if (s->row_team > 1 && !blocks) smg_know_besides(&s->c, known);
+  if (s->row_team > 1 && !s->row_beside) smg_know_besides(&s->c, known);
   smg_enter_rows(s);
+}
+
+/* A call of some steps begins, of all ranks. */
+static void smg_begin_call(smg_state *s, smg_besides *known) {
+  smg_know_rows(s, known);
+  smg_begin_ranks(s, known);
+  smg_begin_team(s, known);
 }
 static void smg_leave_rows(smg_state *s) {
   smg_release_other(s);

@@ -153,6 +153,14 @@ static void smg_begin_ranks(const smg_state *s, smg_besides *known) {
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_mpi_prepare(s, colour);
 }
 
+/* Every rank does all of what follows. */
+static void smg_by_each_rank(void) {
+  smg_mpi_parts = 1;
+  smg_mpi_part = 0;
+  smg_mpi_of = 1;
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_halo.messages[colour] = 0;
+}
+
 static void smg_end_ranks(const smg_state *s) {
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
     for (int k = 0; k < smg_halo.messages[colour]; ++k) MPI_Request_free(smg_halo.message[colour] + k);

@@ -190,6 +190,7 @@ static void smg_share_sample(const smg_coefficients *c, int64_t k, smg_real *all
 #define SMG_SHARED_BY_RANKS 0
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = SMG_COLOURS - k; k < SMG_COLOURS; k += n)
 #define smg_begin_ranks(s, known) (void)0
+#define smg_by_each_rank() (void)0
 #define smg_end_ranks(s) (void)0
 #define smg_largest_of_ranks(a, b) (void)0
 #define smg_between_ends(colour, all) (all)

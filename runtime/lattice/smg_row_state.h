@@ -20,8 +20,10 @@
 #include "smg_row_ranks.h"
 #include "smg_state.h"
 
-/* of that factor: beyond, sweeps may take a hundred rounds where Newton takes three */
+/* of that factor */
 #define SMG_ROW_BOUND (smg_real)0.9
+/* of the factor of the sweeps that have found a solution, at that solution (smg_row_beyond.h) */
+#define SMG_ROW_SHOWN (smg_real)0.95
 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
 #define SMG_ROW_STRONG (smg_real)0.1
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
@@ -39,6 +41,13 @@ static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
   return field < 1 ? x * smg_at_all_sites(c, SMG_HESSIAN_EVER) * smg_at_all_sites(c, smg_radius) * smg_row_gain(c) /
                          SMG_MATH(sqrt)(1 - field)
                    : SMG_MAX;
+}
+
+/* What an error of midpoints leaves, at most, beside the change of the next sweep: 2 (q + q^2 + ..), as W is
+ * 2 mbar - w. */
+static inline smg_real smg_left_by_sweeps(const smg_state *s) {
+  const smg_real factor = smg_min(s->row_bound, SMG_ROW_SHOWN);
+  return 2 * factor / (1 - factor);
 }
 
 /* Do the steps of this state go by rows? */
@@ -81,6 +90,34 @@ static void smg_clear_rows(const smg_state *s) {
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_clear_slots(&s->c, s->past[j], SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
 }
 #endif
+
+/* Those of a state that is kept by sites, for the sweeps of smg_row_beyond.h, and their number. */
+static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
+  const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
+               late = (size_t)(3 * SMG_LATE_PITCH(&s->c)), used = SMG_WIDEST + 4 * size + first + late;
+  if (mem) {
+    smg_real *next = smg_line_from(mem) + size; /* behind slopes and weights, a number a slot */
+    s->row_w = smg_place_slots(&next, size);
+    s->row_compensation = smg_place_slots(&next, size);
+    s->row_m = smg_place_slots(&next, size);
+    s->row_u = smg_place_slots(&next, first);
+    s->row_late = smg_place_slots(&next, late);
+  }
+  return used + smg_place_tables(s, mem ? mem + used : NULL);
+}
+
+static inline smg_real *smg_row_slopes(const smg_state *s) { return smg_line_from(s->row_beyond) + SMG_BEFORE; }
+
+static inline size_t smg_beyond_size(const smg_coefficients *c) {
+  smg_state s;
+  s.c.model = c->model;
+  return smg_place_beyond(&s, NULL);
+}
+
+static inline void smg_make_tables(smg_state *s) {
+  if (!s->rows) (void)smg_place_beyond(s, s->row_beyond);
+  smg_fill_tables(s);
+}
 
 /* What a saved state has; of the increments those of the first colour are 0. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {

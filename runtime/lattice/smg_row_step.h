@@ -18,12 +18,11 @@ static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning 
   } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
-/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? What sweeps q, q^2, .. of it
- * would still move, twice as large, as W is 2 mbar - w. */
+/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? */
 static int smg_row_solved(smg_state *s, smg_real residual) {
   s->report.residual = residual;
   if (smg_swept_to_round_off(residual, s->scale)) return 1;
-  s->report.residual = 2 * s->row_bound / (1 - s->row_bound) * residual;
+  s->report.residual = smg_left_by_sweeps(s) * residual;
   return smg_tolerated(s, s->report.residual);
 }
 

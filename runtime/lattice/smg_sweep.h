@@ -3,7 +3,7 @@
 #ifndef SMG_SWEEP_H
 #define SMG_SWEEP_H
 
-#include "smg_newton.h"
+#include "smg_swept.h"
 
 /* More of them cost more than Newton; of a graph the generator counts it (gen/compile/plan/plan.py). */
 #ifndef SMG_TRIED_SWEEPS
@@ -14,9 +14,6 @@
 #endif
 #endif
 
-/* mbar = w + u/2 of all sites. */
-static inline void smg_set_midpoints(smg_state *s) { smg_waxpy(s->mbar, 0.5, s->u, s->w, 3 * smg_sites(&s->c)); }
-
 #if SMG_ROTATION
 /* What a sweep works on. */
 typedef struct smg_sweeping {
@@ -24,13 +21,6 @@ typedef struct smg_sweeping {
   smg_real h;
   smg_change change;
 } smg_sweeping;
-
-/* m = P(w + u/2) of site k. */
-static inline smg_real smg_halfway(const smg_state *s, int64_t k, const smg_real *u, smg_real *m) {
-  smg_real mbar[3];
-  smg_waxpy(mbar, 0.5, u, s->w + 3 * k, 3);
-  return smg_project(&s->c, k, smg_leaf_value(s, k), mbar, m);
-}
 
 /* The midpoint of one spin whose step is exact in the field g of the others; 0 where it has no step. */
 static inline int smg_relaxed(const smg_state *s, smg_real h, int64_t k, smg_real *g, smg_real *next) {
@@ -74,16 +64,6 @@ SMG_APART static smg_change smg_sweep(smg_state *s, smg_real h) {
   smg_sweeping sweep = {s, h, {0, 0, 0}};
   smg_each_coloured(&s->c, &sweep, smg_relax);
   return sweep.change;
-}
-
-/* m = P(w + u/2) with u extrapolated: where the sweeps begin. */
-static void smg_sweep_start(smg_state *s) {
-  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
-    const int64_t k = smg_site(&s->c, row);
-    smg_real u[3];
-    for (int b = 0; b < 3; ++b) u[b] = smg_extrapolate(s, 3 * k + b, s->degree);
-    (void)smg_halfway(s, k, u, s->m + 3 * k);
-  }
 }
 
 /* What the increments after a sweep show: the largest residual of u - h X(m) and of m - P(w + u/2), a bound on the rows
@@ -141,8 +121,6 @@ static smg_change smg_sweep(smg_state *s, smg_real h) {
   smg_set_midpoints(s);
   return change;
 }
-
-static void smg_sweep_start(smg_state *s) { smg_predict(s, s->degree); }
 #endif
 
 /* Sweeps to stagnation. */
@@ -157,12 +135,6 @@ static smg_status smg_settle(smg_state *s, smg_real h) {
     if (it == SMG_TRIED_SWEEPS) return SMG_NO_CONVERGENCE;
     last = now;
   }
-}
-
-/* Midpoints and frames at the solution that the sweeps left, for the matrix. */
-static void smg_sweep_midpoints(smg_state *s, smg_real h) {
-  smg_set_midpoints(s);
-  (void)smg_evaluate(s, h);
 }
 
 /* Do the sweeps' increments solve the step, and on the right branch? Else Newton goes on from their midpoints. */

@@ -144,23 +144,36 @@ static inline void smg_krylov_random(int64_t n, smg_real *v) {
   (void)smg_krylov_unit(n, v);
 }
 
+/* Lanczos' matrix T, of which beta2 has the squares beside the diagonal: are all k Ritz values beyond the shift? Where
+ * the pivots of T - shift are positive. */
+static inline int smg_krylov_beyond(const smg_real *alpha, const smg_real *beta2, int k, smg_real shift) {
+  smg_real pivot = 1;
+  for (int j = 0; j < k && pivot > 0; ++j) pivot = alpha[j] - shift - (j > 0 ? beta2[j - 1] / pivot : 0);
+  return pivot > 0;
+}
+
 /* Lanczos: is x.A x >= x.x/4 for all x, A symmetric with its eigenvalues within `spread` of 1? After k steps from a
  * random start of n components the least Ritz value exceeds the least eigenvalue by more than e (max - min) with a
  * chance of at most 1.648 sqrt(n) exp(-sqrt(e) (2k - 1)) (Kuczynski and Wozniakowski, SIAM J. Matrix Anal. Appl. 13,
- * 1992): for e and k here 4e-8 sqrt(n). The pivots of T - shift are positive where all Ritz values are beyond it. */
+ * 1992): 4e-8 sqrt(n) for SMG_LANCZOS_PART and SMG_LANCZOS_STEPS. Of fewer steps e is larger by as much as keeps that
+ * chance; the first that shows it are the last. */
 static inline int smg_krylov_coercive(const smg_krylov *a, smg_real spread) {
   const int64_t n = a->n;
-  const smg_real shift = (smg_real)0.25 + SMG_LANCZOS_PART * 2 * spread;
-  smg_real *v = a->work, *before = v + n, *next = v + 2 * n, beta = 0, pivot = 1;
+  smg_real *v = a->work, *before = v + n, *next = v + 2 * n, beta = 0;
+  smg_real alphas[SMG_LANCZOS_STEPS], beta2[SMG_LANCZOS_STEPS];
   smg_krylov_random(n, v);
   smg_zero(before, n);
   for (int j = 0; j < SMG_LANCZOS_STEPS && j < n; ++j) {
     a->times(a->of, v, next);
     const smg_real alpha = smg_krylov_dot(n, v, next);
-    pivot = alpha - shift - (j > 0 ? beta * beta / pivot : 0);
-    if (!(pivot > 0)) return 0;
+    const smg_real fewer = (smg_real)(2 * SMG_LANCZOS_STEPS - 1) / (smg_real)(2 * j + 1),
+                   e = SMG_LANCZOS_PART * 2 * spread;
+    alphas[j] = alpha;
+    if (!smg_krylov_beyond(alphas, beta2, j + 1, (smg_real)0.25 + e)) return 0;
+    if (smg_krylov_beyond(alphas, beta2, j + 1, (smg_real)0.25 + e * fewer * fewer)) return 1;
     for (int64_t k = 0; k < n; ++k) next[k] -= alpha * v[k] + beta * before[k];
     beta = smg_krylov_unit(n, next);
+    beta2[j] = beta * beta;
     if (!(beta > SMG_EPS)) break; /* an invariant subspace */
     smg_copy(before, v, n);
     smg_copy(v, next, n);

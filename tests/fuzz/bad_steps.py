@@ -38,6 +38,7 @@ typedef {name}_params P;
 typedef {name}_model model;
 typedef {name}_state S;
 #define model_make {name}_model_init
+#define model_defaults {name}_defaults
 #define model_sites {name}_sites
 #define model_memsize {name}_memsize
 #define model_init {name}_init
@@ -137,9 +138,9 @@ void reference_field(const void *p, long double t, const long double *w, long do
 """
 
 
-def build(name, where, sanitize=False, change=None, level="-O2"):
+def build(name, where, sanitize=False, change=None, level="-O2", models=MODELS, program="bad_steps"):
     """The program of a model in `where`, optimised to `level`. `change`: a function of the generated C, to try faults."""
-    model = MODELS[name]
+    model = models[name]
     spec = select(load(model, where))
     files = generate(spec, method=model.method, solver=model.solver)
     exact = generate(dataclasses.replace(spec, name="exact"), method=model.method, solver=model.solver)
@@ -148,17 +149,16 @@ def build(name, where, sanitize=False, change=None, level="-O2"):
     write_files(files | {k: exact[k] for k in ("exact.c", "exact.h")}, where)
     (where / "glue.h").write_text(glue(model, spec))
     (where / "reference.c").write_text(REFERENCE)
-    return compiled(name, where, SANITIZE if sanitize else (level, CALLS) if level == "-O0" else (level,))
+    return compiled(name, where, SANITIZE if sanitize else (level, CALLS) if level == "-O0" else (level,), program)
 
 
-def compiled(name, where, flags):
+def compiled(name, where, flags, program="bad_steps"):
     words = ["gcc", *FLAGS, *flags, "-I.", f"-I{HERE}", *include_flags()]
     for source in ("exact.c", "reference.c"):
         subprocess.run([*words, "-DSMG_LONG_DOUBLE", "-c", source], cwd=where, check=True)
-    program = where / "bad_steps"
-    subprocess.run([*words, str(HERE / "bad_steps.c"), f"{name}.c", "exact.o", "reference.o", "-o", str(program),
+    subprocess.run([*words, str(HERE / f"{program}.c"), f"{name}.c", "exact.o", "reference.o", "-o", str(where / program),
                     "-lm"], cwd=where, check=True)
-    return program
+    return where / program
 
 
 def run(name, program, seed, first, cases, branches=4):

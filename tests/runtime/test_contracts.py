@@ -25,6 +25,7 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("the predictor, of steps, of stages or none", "smg_predictor smg_stage_predictor smg_single_sphere smg_composition smg_saved"),
     ("a lattice by rows", "smg_row_state smg_turn_state smg_pair_state smg_sublattice_state"),
     ("steps by rows", "smg_row_step smg_turn_steps"),
+    ("sweeps, from site to site or by rows", "smg_row_beyond smg_sweep"),
     ("what ranks tell each other, where there are several", "smg_row_halo smg_row_ranks"),
     ("the sites that a rank has, and what ranks tell each other of them", "smg_own smg_row_parts smg_row_ranks smg_sum"),
     ("the tangent map, of a step or of a composition", "smg_tangent smg_composed_tangent"),

@@ -179,6 +179,23 @@ def test_up_to_the_largest_step_of_rows(monkeypatch, h):
     model.steps(100)
 
 
+BEYOND = {"plain cubic": (0.24, 0.29), "odd cubic": (0.24,), "square": (0.45,), "other spheres": (0.5,)}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n == "plain cubic" else pytest.mark.long) for n in BEYOND])
+def test_beyond_the_bound_sweeps_go_by_rows_too(monkeypatch, name):
+    """The step that the equation has, with the same bits in lanes and without, one by one and restored."""
+    spec = SPECS[name]
+    models, witness = [built(monkeypatch, spec, lanes) for lanes in (1, 4)], Witness(spec)
+    for h in BEYOND[name]:
+        one, four = (model.start("random", h=h) for model in models)
+        before = four.w.copy()
+        assert witness.residual(before, four.steps(1).w, 0.0, h) <= 8e-15 * np.abs(before).max()
+        saved = four.save()
+        assert np.array_equal(one.steps(4).save(), four.steps(3).save())
+        assert np.array_equal(four.start("random", h=0.05).restore(saved).steps(3).save(), one.save())
+
+
 def test_large_steps_go_the_general_way(monkeypatch):
     """h where sweeps need not be a contraction: J h/sqrt(1 - (J h)^2) > 0.9; a state restored changes its way with its h."""
     model = built(monkeypatch, SPECS["cubic"])

@@ -170,3 +170,9 @@ def by_rows() -> Effort:
     """smg_row_step: passes of all colours, and the end of every round."""
     passes = number("SMG_ROW_PASSES")
     return Effort(passes + number("SMG_ROW_ROUNDS") + 2, 0, passes)
+
+
+def beyond_rows() -> Effort:
+    """smg_sweeps of smg_row_beyond.h."""
+    sweeps = number("SMG_BEYOND_SWEEPS")
+    return Effort(sweeps + number("SMG_BEYOND_ROUNDS") + 1, 0, sweeps)

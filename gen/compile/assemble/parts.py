@@ -12,7 +12,7 @@ from .lanes import GradientsInLanes
 from .pair_rows import PairsByRows
 from .pairs import PairsOfSites
 from .response import Responses
-from .rows import ByRows
+from .row_part import ByRows
 from .site_numbers import SiteNumbers
 from .solo import LoneMotion, SingleSphere
 from .sublattices import Sublattices

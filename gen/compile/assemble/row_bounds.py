@@ -85,10 +85,15 @@ def rest_norm(low, t, k):
 
 
 def hessian_norm(low, t, k, spins: Spins):
-    """Where time or spins enter, entry by entry."""
-    blocks = [block.applyfunc(low.number_values) for (a, _), block in t.derived.hessian.items() if a == k]
-    norms = [of_all_states(low, b, spins) if b.free_symbols & spins.components else largest_norm(low, b, t.derived.joined) if any(varies(low, x) for x in b) else spectral_bound(b, t.derived.joined) for b in blocks]
+    norms = block_norms(low, t, k, spins).values()
     return None if None in norms else sum(norms, sp.S.Zero)
+
+
+def block_norms(low, t, k, spins: Spins) -> dict:
+    """{slot: that of the block beside it, in the row of slot k}. Where time or spins enter, entry by entry."""
+    blocks = {q: block.applyfunc(low.number_values) for (a, q), block in t.derived.hessian.items() if a == k}
+    return {q: of_all_states(low, b, spins) if b.free_symbols & spins.components else largest_norm(low, b, t.derived.joined) if any(varies(low, x) for x in b) else spectral_bound(b, t.derived.joined)
+            for q, b in blocks.items()}
 
 
 def largest_norm(low, block, joined):

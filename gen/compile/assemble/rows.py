@@ -11,8 +11,8 @@ from itertools import product
 
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
-from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Member, Name, Return, Scope, Variable, Zeros, where
-from ..lower.integers import ZERO, Computed, Index, Pointed, compare, total, whole
+from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
+from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
@@ -23,9 +23,7 @@ from .families import SITE
 from .lanes import in_lanes, named
 from .norms import row_sums
 from .pairs import slope_bound
-from .effort import by_rows
 from .row_bounds import bounds_of_term
-from .part import MOST_LANES, Part, buffer, placed
 from .response import response_kernel
 from .site_factors import factors, multiplied, radius_settings, radius_values, rate_function, rated
 from .site_laws import differing, law_functions, law_settings, law_values
@@ -42,6 +40,7 @@ class Rows:
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
     place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii?
+    norms: what beside_norms.py has found.
     """
     over: Lattice
     colours: Colouring
@@ -55,6 +54,7 @@ class Rows:
     law: object = field(default=None, compare=False)
     differing: tuple = ()
     radii: bool = False
+    norms: object = field(default=None, compare=False)
 
     @property
     def step(self) -> int:
@@ -274,7 +274,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -427,74 +427,3 @@ def site_values(model) -> int:
 def besides(model) -> int:
     """The most sites that stand beside one."""
     return max([1, *(len(neighbours(model, sub)) for sub in range(model.in_rows.over.sites))])
-
-
-class ByRows(Part):
-    """Lattices by rows, sites in lanes."""
-    name, layout = "in_rows", "rows"
-
-    def made(self, model, low):
-        found = rows(model, low)
-        model.why_by_site = found if isinstance(found, str) else "the tangent map takes the matrix of Newton" if "tangent" in model.features else ""
-        return found if isinstance(found, Rows) else None
-
-    def functions(self, model):
-        return row_functions(model)
-
-    def headers(self, model):
-        return ["smg_rows.h"]
-
-    def settings(self, model):
-        return row_settings(model)
-
-    def members(self, model):
-        values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
-        values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(many_kinds(model))
-        return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
-
-    def instead(self, model):
-        """Gauss by rows keeps all by slots."""
-        size = Computed("smg_stages_size", (Index("c"),))
-        return [buffer("stages", size, "components by slots: w, z, points, stages and slopes")] if model.method.stage_rows else []
-
-    def laid_out(self, model):
-        """Where steps go by rows, with no other arrays than those."""
-        used = Call("smg_row_layout", (Name("s"), Name("mem")))
-        for b in (b for part in model.parts for b in part.around(model)):
-            used = placed(b, used)
-        by_rows = If((Member("s", "rows"),), (Return(used),))
-        return () if model.method.stage_rows else (by_rows,)
-
-    def most(self, model, step):
-        return step.either(by_rows()) if model.method.of_midpoints else step
-
-    def sizes(self, model, value):
-        return {"smg_stages_size": lambda: MOST_LANES + (10 + 15 * dict(model.method.defines)["SMG_STAGES"] + site_values(model)) * slots_of(model, value).pitch}
-
-    def numbers(self, model, value):
-        """smg_row_layout, and of maps around the step."""
-        if model.method.stage_rows:
-            return 0
-        around = sum(value(b.size) for part in model.parts for b in part.around(model))
-        slots = slots_of(model, value)
-        return around + slots.arrays(model.method.of_midpoints) + slots.tables(site_values(model), besides(model), many_kinds(model))
-
-    def lanes(self, model):
-        return MOST_LANES
-
-
-def row_members(swept: bool) -> list:
-    """swept: by sweeps, of midpoints."""
-    of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
-                 ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
-                 ("int row_due", "flag: the increments of the last step have not yet been added to row_w"),
-                 ("int64_t row_passes, row_fewest", "passes over the colours in the last step, and the smaller number of the last two steps"),
-                 ("int64_t row_from", "the pass from which the changes of the midpoints are measured"),
-                 ("int64_t row_near, row_reach", "the pass from which small components are checked, and the range of the interaction in slots"),
-                 ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
-    later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
-    return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*, and number of threads that share them (OpenMP)"),
-            *(of_sweeps if swept else []), ("int row_kept", "flag: w is in row_w, as the last call has left it"),
-            ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),
-            ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,
-             "w, its rounding errors" + " and midpoints" * swept + " by rows" + " (between calls, w is stored in row_m)" * swept), *(later if swept else [])]

@@ -28,6 +28,10 @@ class Slots:
         of_sweeps = 3 * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour)
         return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
 
+    def beyond(self) -> int:
+        """Those of smg_place_beyond."""
+        return MOST_LANES + 15 * self.pitch + 3 * self.ends
+
     def tables(self, values: int, besides: int, kinds: int = 0) -> int:
         """Those of smg_place_tables, with the neighbours of blocks, whether there are blocks or not; kinds: of rows, in the memory of the state."""
         return (MOST_LANES + 5 * kinds * besides) * (kinds > 0) + (MOST_LANES + values * self.pitch) * (values > 0) + -(-self.colours * self.colour // MOST_LANES * besides // 2)

@@ -21,6 +21,10 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
+static inline void smg_make_tables(smg_state *s) {
+  if (s->rows) smg_fill_tables(s);
+}
+
 /* A stage: the h of it and of the next one; after: has one gone before in this call? before: does one follow? end: is
  * it the last of a step? */
 typedef struct smg_turn_stage {

@@ -11,11 +11,10 @@
 #include "smg_state.h"
 #if SMG_HAS_COUPLED
 #include "smg_branch.h"
-#if SMG_SWEPT
-#include "smg_sweep.h"
-#endif
 #if SMG_BY_ROWS
-#include "smg_row_step.h"
+#include "smg_row_beyond.h"
+#elif SMG_SWEPT
+#include "smg_sweep.h"
 #endif
 #if SMG_FEW_IN_LANES
 #include "smg_few_step.h"

@@ -1,0 +1,96 @@
+"""What lattices by rows add to a model, and the arrays of their states."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..lower.code import Call, If, Member, Name, Return
+from ..lower.integers import Computed, Index
+from .beside_norms import beside_norms, norm_function
+from .effort import beyond_rows, by_rows
+from .part import MOST_LANES, Part, buffer, placed
+from .rows import Rows, besides, many_kinds, number_of_values, row_functions, row_settings, rows, site_values, slots_of
+
+
+class ByRows(Part):
+    """Lattices by rows, sites in lanes."""
+    name, layout = "in_rows", "rows"
+
+    def made(self, model, low):
+        found = rows(model, low)
+        model.why_by_site = found if isinstance(found, str) else "the tangent map takes the matrix of Newton" if "tangent" in model.features else ""
+        if not isinstance(found, Rows):
+            return None
+        return replace(found, norms=beside_norms(model, low, found)) if model.method.of_midpoints and not model.method.stage_rows else found
+
+    def functions(self, model):
+        return [*row_functions(model), *norm_function(model.in_rows)]
+
+    def headers(self, model):
+        return ["smg_rows.h"]
+
+    def settings(self, model):
+        return row_settings(model)
+
+    def members(self, model):
+        values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
+        values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(many_kinds(model))
+        return values + ([] if model.method.stage_rows else row_members(model.method.of_midpoints))
+
+    def buffers(self, model):
+        """Where h is beyond the bound, midpoints are swept by slots too."""
+        size = Computed("smg_beyond_size", (Index("c"),))
+        return [buffer("row_beyond", size, "the same arrays by slots where the bound does not hold")] if model.method.of_midpoints else []
+
+    def instead(self, model):
+        """Gauss by rows keeps all by slots."""
+        size = Computed("smg_stages_size", (Index("c"),))
+        return [buffer("stages", size, "components by slots: w, z, points, stages and slopes")] if model.method.stage_rows else []
+
+    def laid_out(self, model):
+        """Where steps go by rows, with no other arrays than those."""
+        used = Call("smg_row_layout", (Name("s"), Name("mem")))
+        for b in (b for part in model.parts for b in part.around(model)):
+            used = placed(b, used)
+        by_rows = If((Member("s", "rows"),), (Return(used),))
+        return () if model.method.stage_rows else (by_rows,)
+
+    def most(self, model, step):
+        return (step + beyond_rows()).either(by_rows()) if model.method.of_midpoints else step
+
+    def sizes(self, model, value):
+        return {"smg_beyond_size": lambda: beyond(model, value),
+                "smg_stages_size": lambda: MOST_LANES + (10 + 15 * dict(model.method.defines)["SMG_STAGES"] + site_values(model)) * slots_of(model, value).pitch}
+
+    def numbers(self, model, value):
+        """smg_row_layout, and of maps around the step."""
+        if model.method.stage_rows:
+            return 0
+        around = sum(value(b.size) for part in model.parts for b in part.around(model))
+        slots = slots_of(model, value)
+        return around + slots.arrays(model.method.of_midpoints) + slots.tables(site_values(model), besides(model), many_kinds(model))
+
+    def lanes(self, model):
+        return MOST_LANES
+
+
+def beyond(model, value) -> int:
+    """smg_beyond_size."""
+    slots = slots_of(model, value)
+    return slots.beyond() + slots.tables(site_values(model), besides(model), many_kinds(model))
+
+
+def row_members(swept: bool) -> list:
+    """swept: by sweeps, of midpoints."""
+    of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
+                 ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
+                 ("int row_due", "flag: the increments of the last step have not yet been added to row_w"),
+                 ("int64_t row_passes, row_fewest", "passes over the colours in the last step, and the smaller number of the last two steps"),
+                 ("int64_t row_from", "the pass from which the changes of the midpoints are measured"),
+                 ("int64_t row_near, row_reach", "the pass from which small components are checked, and the range of the interaction in slots"),
+                 ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
+    later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
+    return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*, and number of threads that share them (OpenMP)"),
+            *(of_sweeps if swept else []), ("int row_kept", "flag: w is in row_w, as the last call has left it"),
+            ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),
+            ("smg_real *row_w, *row_compensation" + ", *row_m" * swept,
+             "w, its rounding errors" + " and midpoints" * swept + " by rows" + " (between calls, w is stored in row_m)" * swept), *(later if swept else [])]
