@@ -101,7 +101,7 @@ static int smg_show_rows(smg_state *s, smg_beyond *a) {
   smg_real most = 0, slope = 0;
   const smg_real pull = smg_abs(a->turn.half) * smg_at_all_sites(&s->c, smg_radius) * smg_row_gain(&s->c);
   SMG_TEAM(s->row_team) {
-    smg_showing show = {a->turn, pull, smg_row_slopes(s), {0}, {0}};
+    smg_showing show = {a->turn, pull, smg_row_slopes(s), smg_lane_of(0), smg_lane_of(0)};
     show.turn.inverses = smg_inverses_of(s);
     for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) {
       smg_increments_into(s, colour, &show.turn);

@@ -81,8 +81,8 @@ def site_sums(model) -> list:
     tangent = "tangent" in model.features and (model.plan.local or model.lifts())
     newton = any(not model.closed_form(f) for f in model.alone)
     found, lifted = [], tangent and model.lifts()
-    if model.plan.local or model.plan.rotation:
-        found.append(of_site(model, "smg_gather", (G,), gradient_calls, model.plan.rotation))
+    if model.plan.local or model.swept_by_site():
+        found.append(of_site(model, "smg_gather", (G,), gradient_calls, model.swept_by_site()))
     if newton or tangent:
         found.append(of_site(model, "smg_site_hessian_vector", (V, Y), own_hessian_calls, lifted))
     if tangent:
