@@ -53,7 +53,7 @@ class Spectrum(ReadOnly):
     :ivar equal_time: the mean of |S_q|^2 over time, shape (waves, 3); None if the spectrum was read from a .csv.
     :ivar autocorrelation: the mean of conj(S_q(t)) S_q(t + tau) over t, shape (waves, frequencies, 3), for the times `tau`, shape
         (frequencies,); both are None if not requested.
-    :ivar neutron: what neutrons see, the sum over a, b of S_ab (delta_ab - q_a q_b/|q|^2), shape (waves, frequencies); None if not requested.
+    :ivar neutron: the quantity measured by neutron scattering, the sum over a, b of S_ab (delta_ab - q_a q_b/|q|^2), shape (waves, frequencies); None if not requested.
     :ivar theory: the lines of linear spin waves, a `SpinWaves`; None if not requested, and if the spectrum was read from a .csv.
     :ivar meta: everything else about the run.
     """
@@ -149,7 +149,7 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :param parts: the number of equal parts into which the run is divided and whose spectra are averaged (M. S. Bartlett, Biometrika 37
         (1950) 1), for less noise and memory but wider lines.
     :param autocorrelation: whether to compute autocorrelations in time too.
-    :param neutron: whether to compute what neutrons see too; at q = 0 that is the mean over directions of q.
+    :param neutron: whether to also compute the quantity measured by neutron scattering; at q = 0 it is averaged over all directions of q.
     :param theory: True for the lines of linear spin waves near the equilibrium that relaxation reaches from the start; or an equilibrium, as
         the name of a start or as a state of shape (sites, 3); or lines of `spin_waves` at the same q, for instance of some effects only.
     :param basis: the positions of the sites of a cell, shape (sites, directions); by default those of the spec, otherwise fractions of the

@@ -23,7 +23,7 @@ def add(commands):
     which.add_argument("--row", type=row, metavar="K", help="take the output with this number, counted from 0; --row=-1 is the last")
     parser.add_argument("--out", metavar="FILE", help="the file to write: .ovf, .vtk, .vtu, .vtr or .vti, or .pvd for all outputs")
     parser.add_argument("--text", action="store_true", help="write numbers as text instead of binary")
-    parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"tell these: {', '.join(TELLS)}")
+    parser.add_argument("--what", type=names, default=(), metavar="A,B", help=f"quantities to print: {', '.join(TELLS)}")
     json_option(parser)
 
 

@@ -35,7 +35,7 @@ def add(commands):
     parser.add_argument("--window", choices=("none", "hann"), default="none", help="window in time (default: none)")
     parser.add_argument("--parts", type=whole, default=1, metavar="P", help="average over the spectra of P equal parts of the run")
     parser.add_argument("--autocorrelation", action="store_true", help="also compute autocorrelations in time (.npz only)")
-    parser.add_argument("--neutron", action="store_true", help="also compute what neutrons see, with the factor 1 - q^q^")
+    parser.add_argument("--neutron", action="store_true", help="also compute the quantity measured by neutron scattering, with the factor delta_ab - q_a q_b/|q|^2")
     parser.add_argument("--theory", metavar="START", nargs="?", const=True, default=False,
                         help="also compute the frequencies of linear spin waves about an equilibrium: "
                         "START must be one; without START, the start of the run is relaxed to one")
@@ -64,7 +64,7 @@ def command(args):
     if args.out:
         made["out"] = str(found.save(args.out))
         if args.out.endswith(".csv") and (found.theory is not None or found.neutron is not None):
-            say("a .csv can hold q, omega and S only; use an .npz for the lines of linear spin waves and what neutrons see")
+            say("a .csv can hold q, omega and S only; use an .npz for the lines of linear spin waves and the quantity measured by neutron scattering")
     if args.plot:
         from ..show.plot.spectrum import draw_spectrum
         made["plot"] = str(draw_spectrum(found, args.plot))

@@ -60,7 +60,7 @@ def loaded(couplings):
         return couplings
     path = Path(couplings)
     if path.suffix not in (".npz", ".mtx", ".npy"):
-        raise UsageError(f"{path}: couplings must be in an .npz file of scipy.sparse, an .mtx or an .npy")
+        raise UsageError(f"{path}: couplings must be in an .npz file of scipy.sparse, an .mtx file or an .npy file")
     try:
         if path.suffix == ".npy":
             return np.load(path, allow_pickle=False)

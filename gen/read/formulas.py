@@ -57,10 +57,10 @@ class Formulas:
         if units is None or ANY in (wanted, found.dimension) or wanted == found.dimension:
             return
         if found.dimension == NONE:
-            self.problems.fail(codes.MEASURE, span, f"{what} is {said(wanted)}, but this has no unit", f"write a unit after the number: `1 {units.spelt(wanted)}`")
+            self.problems.fail(codes.MEASURE, span, f"{what} must be {said(wanted)}, but this has no unit", f"write a unit after the number: `1 {units.spelt(wanted)}`")
         if wanted == NONE:
-            self.problems.fail(codes.MEASURE, span, f"{what} is a number without a unit, but this is {said(found.dimension)}", f"divide it by {said(found.dimension)}")
-        self.problems.fail(codes.DIMENSION, span, f"{what} is {said(wanted)}, but this is {said(found.dimension)}", lacking(wanted, found.dimension))
+            self.problems.fail(codes.MEASURE, span, f"{what} must be a number without a unit, but this is {said(found.dimension)}", f"divide it by {said(found.dimension)}")
+        self.problems.fail(codes.DIMENSION, span, f"{what} must be {said(wanted)}, but this is {said(found.dimension)}", lacking(wanted, found.dimension))
 
     def vector(self, text: Text, scope: Scope, what: str = "", wanted=ANY) -> Expr:
         """A formula whose value is a vector."""

@@ -164,7 +164,7 @@ class Resolver:
             return self.entry(node)
         if node.name in self.scope.known():
             self.fail(codes.INDEX, node.head, f"`{node.name}` has no entries",
-                      "arrays have entries, such as `gamma[i]`, and families, `w[i]`")
+                      "only arrays have entries, such as `gamma[i]`, and families have vectors, such as `w[i]`")
         return self.unknown(node.name, node.head)
 
     def spin(self, node: Item) -> Typed:
@@ -202,7 +202,7 @@ class Resolver:
             return found.name
         if isinstance(found, Num) and isinstance(found.value, int):
             return found.value
-        self.fail(codes.INDEX, index.span, "the index of a vector must be a bound index or a literal",
+        self.fail(codes.INDEX, index.span, "the index of a vector must be a bound index or an integer constant",
                   "write neighbours as bonds: `over = \"bond(i, j) of chain(n, periodic)\"`")
 
     def entry(self, node: Item) -> Typed:

@@ -57,7 +57,7 @@ class RunReader:
     def averages(self, node: Node) -> Averages:
         node.table("what", "after", "bins")
         return Averages(**self.given(node, what=self.averaged, bins=lambda child: child.integer(2, limits.LIST),
-                                     after=lambda child: self.formulas.free(child, "a time", wanted=TIME)))
+                                     after=lambda child: self.formulas.free(child, "the time of the first sample", wanted=TIME)))
 
     def averaged(self, node: Node) -> tuple[str, ...]:
         """Names of numbers; those of effects and families are looked up when a run starts, which may do without them."""

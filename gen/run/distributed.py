@@ -53,7 +53,7 @@ def resume_distributed(path, progress=None):
     model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     if differing := [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]:
-        raise CheckpointError(f"{path} was started with another {', '.join(differing)}: the bits would differ. "
+        raise CheckpointError(f"{path} was started with different settings ({', '.join(differing)}): the bits would differ. "
                               f"Remove {store.folder} to start again")
     return complete(model, settings, store, newest, progress)
 
@@ -67,8 +67,8 @@ def refuse(spec, s: Settings, out) -> None:
         raise UsageError(f"with --distributed there is no output '{other[0]}', which needs the whole state: "
                          f"choose from {', '.join(OF_OUTPUTS)} and observables")
     if not (s.start is None or isinstance(s.start, str)):
-        raise UsageError("with --distributed, a start is one of the spec, which each rank evaluates at its own sites: "
-                         "a file given as --start is not read in parts")
+        raise UsageError("with --distributed, the start must be one of those in the spec, which each rank evaluates at its own sites: "
+                         "a file given as --start cannot be read in parts")
     for asked, what in ((s.substeps, "--substeps"), (s.averages, "averages"), (s.estimate, "--estimate")):
         if asked:
             raise UsageError(f"--distributed does not support {what}, which needs the whole state")

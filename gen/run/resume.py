@@ -73,7 +73,7 @@ def begun_again(meta: dict, path):
     now = json.loads(json.dumps(describe(model, settings)))
     differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]
     if differing:
-        raise CheckpointError(f"{path} was started with another {', '.join(differing)}: the bits would differ. "
+        raise CheckpointError(f"{path} was started with different settings ({', '.join(differing)}): the bits would differ. "
                               f"Remove {folder_of(path)} to start again")
     return model, settings
 

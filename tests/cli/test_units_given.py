@@ -60,9 +60,9 @@ def test_values_in_python(spec, given, found):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("choice, said", [({"parameters": {"J": "6 T"}}, "an energy is needed here"), ({"parameters": {"J": "6 mev"}}, "there is no unit `mev`"), ({"h": "0.1"}, "h is a time"),
-                                          ({"h": "1 meV"}, "h is a time"), ({"time": "20"}, "time is a time"), ({"parameters": {"a": "1 T"}}, "a number without a unit is needed"),
-                                          ({"period": "J"}, "period is a time"), ({"averages": {"after": "2 T"}}, "after is a time")])
+@pytest.mark.parametrize("choice, said", [({"parameters": {"J": "6 T"}}, "an energy is needed here"), ({"parameters": {"J": "6 mev"}}, "there is no unit `mev`"), ({"h": "0.1"}, "h must be a time"),
+                                          ({"h": "1 meV"}, "h must be a time"), ({"time": "20"}, "time must be a time"), ({"parameters": {"a": "1 T"}}, "a number without a unit is needed"),
+                                          ({"period": "J"}, "period must be a time"), ({"averages": {"after": "2 T"}}, "after must be a time")])
 def test_what_does_not_fit_is_refused(spec, choice, said):
     with pytest.raises(UsageError, match=said):
         settle(smidgen.load(spec), **choice)

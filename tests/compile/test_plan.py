@@ -92,7 +92,7 @@ def test_unknowns_of_a_site(method, unknowns):
     ("heisenberg_chain", CLASSICAL, "rotation", "no solver 'rotation'"),
     ("cubic_lattice", SPHERICAL, "newton", "use solver rotation or plain here"),
     ("cubic_lattice", CLASSICAL, "newton", "use solver plain here"),
-    ("nambu_a31", "gauss-4", "auto", "not for Nambu factors")])
+    ("nambu_a31", "gauss-4", "auto", "does not support Nambu factors")])
 def test_what_does_not_go_together_is_refused(name, method, solver, said):
     with pytest.raises(UsageError, match=said):
         plan(name, method, solver)

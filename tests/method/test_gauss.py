@@ -77,7 +77,7 @@ def test_restored_it_goes_on_with_the_same_bits():
 def test_other_spaces_and_features_are_refused():
     with pytest.raises(SpecError, match="gauss-4 does not support the factor"):
         smidgen.load_text(NAMBU)
-    with pytest.raises(UsageError, match="not for Nambu"):
+    with pytest.raises(UsageError, match="does not support Nambu"):
         smidgen.build(smidgen.load("nambu_a31"), method="gauss-4")
     with pytest.raises(UsageError, match="no feature 'tangent'"):
         smidgen.build(FREE, method="gauss-4", features=["tangent"])

@@ -85,7 +85,7 @@ def test_an_observable_is_told_in_its_unit(value, number):
 
 
 SPACES = [  # the family, its dimension by the unit of w.x, a fault, what is said of it
-    ('w = { sphere = 1, moment = "1.72 mu_B" }', "1", 'moment = "1.72 mu_B"', 'moment = "1 nm"', "`moment` is a moment"),
+    ('w = { sphere = 1, moment = "1.72 mu_B" }', "1", 'moment = "1.72 mu_B"', 'moment = "1 nm"', "`moment` must be a moment"),
     ('w = { sphere = 1, kappa = "0.5 hbar" }', "1", "0.5 hbar", "0.5", "kappa is an angular momentum"),
     ('w = { sphere = 1, radius = "2 meV ps" }', "meV ps", "2 meV ps", "2 nm", "has no strength"),
     ('w = { sphere = 1, radius = "2 mu_B", kappa = "1 T ps" }', "meV/T", "1 T ps", "1 T", "kappa is"),
@@ -145,7 +145,7 @@ value = "norm(r(i, j))"
 """
 
 
-@pytest.mark.parametrize("old, new, said", [("/(0.27 nm)", "", "`energy` is an energy"), ("^2/x^2)", ")", "the argument of `exp` is a length"), ("0.1 nm", "0.1", "`<` combines a length"),
+@pytest.mark.parametrize("old, new, said", [("/(0.27 nm)", "", "`energy` must be an energy"), ("^2/x^2)", ")", "the argument of `exp` is a length"), ("0.1 nm", "0.1", "`<` combines a length"),
                                             ('"0.27 nm"', "0.27", "combines a number without a unit and a length"), ('"0.27 nm"', '"0.27 ps"', "a lattice constant")])
 def test_places_have_a_length(old, new, said):
     assert load_text(PLACES).observables[0].unit == "nm"

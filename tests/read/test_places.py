@@ -256,7 +256,7 @@ def test_vectors_may_be_lengths():
     one, same = (in_units(lines) for lines in ('vectors = [["4.2 angstrom", 0], [0, "0.31 nm"]]', 'vectors = [[4.2, 0], [0, 3.1]]\nconstant = "1 angstrom"'))
     np.testing.assert_allclose(*(positions(each, "w", Evaluated(each).values) for each in (one, same)), rtol=1e-14)
     assert one.families[0].lattice.places.measured and one.families[0].lattice.places.unit == "angstrom"
-    for lines, words in [('vectors = [["4.2 angstrom", 0], [0, 3.1]]', "is a length, but this has no unit"), ('vectors = [["4.2 fs", 0], [0, "3 fs"]]', "but this is a time"),
+    for lines, words in [('vectors = [["4.2 angstrom", 0], [0, 3.1]]', "must be a length, but this has no unit"), ('vectors = [["4.2 fs", 0], [0, "3 fs"]]', "but this is a time"),
                          ('constant = "1 nm"\nvectors = [["4.2 angstrom", 0], [0, "3 nm"]]', "but so is the constant")]:
         with pytest.raises(SpecError) as caught:
             in_units(lines)

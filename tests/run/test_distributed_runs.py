@@ -90,7 +90,7 @@ def test_a_rank_that_fails_ends_all(magnet):
 REFUSED = [(("--out", "a.npz"), "writes HDF5 in parts"), ((), "writes HDF5 in parts"),
            (("--out", "a.h5", "--what", "casimirs"), "there is no output 'casimirs'"),
            (("--out", "a.h5", "--substeps"), "does not support --substeps"),
-           (("--out", "a.h5", "--start", "w.npy"), "a start is one of the spec")]
+           (("--out", "a.h5", "--start", "w.npy"), "the start must be one of those in the spec")]
 
 
 @pytest.mark.parametrize("words, said", REFUSED)

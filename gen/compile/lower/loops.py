@@ -200,7 +200,7 @@ class Loops:
             inner = (For(f"s{d}", start if d == 0 else ZERO, self.low.size(size), inner, step=stride if d == 0 else 1, over="cells"),)
         if step > 1 and not w[0]:
             if any(w):
-                raise ValueError("a colouring that leaves out the fastest direction")
+                raise ValueError("the colouring does not depend on the fastest direction")
             inner = (where([compare(Index("colour"), "==", others)], inner),)
         return inner
 

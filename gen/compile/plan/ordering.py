@@ -46,7 +46,7 @@ class Pattern:
         found = np.searchsorted(self._keys, rows.astype(np.int64) * self.size + cols)
         found = np.minimum(found, self.blocks - 1)
         if np.any(self._keys[found] != rows.astype(np.int64) * self.size + cols):
-            raise KeyError("no block of the pattern for some of these pairs")
+            raise KeyError("some of these pairs have no block in the pattern")
         return found.astype(np.int32)
 
     @cached_property

@@ -163,7 +163,7 @@ def check_space(spec: Spec, method: Method) -> None:
     """Raises UsageError where a method does not serve a factor of the space."""
     strange = [f.name for f in spec.families if f.kind not in method.spaces]
     if strange:
-        raise UsageError(f"method {method.name} is not for {KINDS[next(f.kind for f in spec.families if f.name == strange[0])]}, as '{strange[0]}' is; use {others(method.name)}")
+        raise UsageError(f"method {method.name} does not support {KINDS[next(f.kind for f in spec.families if f.name == strange[0])]}, such as '{strange[0]}'; use {others(method.name)}")
 
 
 def newton_plan(spec: Spec, method: str, local, coupled, overs):

@@ -84,7 +84,7 @@ def save_field(path, w, grid: Grid, label: str, title: str, text: bool, bonds=()
     if path.suffix in MADE:
         return save(path, MADE[path.suffix](w, grid, label, text, *([bonds] if path.suffix == ".vtu" else [])))
     if path.suffix not in FORMATS:
-        raise UsageError(f"{path}: the name of a file of spins must end in {', '.join([*FORMATS, *MADE])}, or of a series in .pvd")
+        raise UsageError(f"{path}: the name of a file of spins must end in {', '.join([*FORMATS, *MADE])}, or in .pvd for a time series")
     return save(path, known_format(path).written(w, grid, padded(grid), label, " ".join(title.split()), text))
 
 

@@ -33,7 +33,7 @@ def correlation(w, grid: Grid) -> np.ndarray:
     :raises UsageError: if a direction is open.
     """
     if not all(grid.periodic) or grid.sites > 1:
-        raise UsageError("correlations in space are defined only for a periodic lattice with one site in a cell")
+        raise UsageError("correlations in space are defined only for a periodic lattice with one site per cell")
     axes = tuple(range(-1 - len(grid.size), -1))
     q = np.fft.fftn(grid.cells(w)[..., 0, :], axes=axes)
     power = np.sum(np.abs(q) ** 2, axis=-1)
@@ -58,7 +58,7 @@ def charge(w, grid: Grid):
     :raises UsageError: for another kind of lattice.
     """
     if len(grid.size) != 2 or grid.sites > 1:
-        raise UsageError("a topological charge is defined only for a lattice of two directions with one site in a cell")
+        raise UsageError("a topological charge is defined only for a two-dimensional lattice with one site per cell")
     u = grid.cells(np.asarray(w, float))[..., 0, :]
     with np.errstate(invalid="ignore", divide="ignore"):        # a zero vector has no direction, and the charge is nan
         u = u / np.linalg.norm(u, axis=-1, keepdims=True)

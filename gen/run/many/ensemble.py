@@ -209,7 +209,7 @@ def _is_own(spec, name: str, value) -> bool:
     if p is None or np.ndim(value) != (2 if p.kind == "array" else 1):
         return False
     if p.kind == "int" or p.fixed:
-        raise UsageError(f"'{name}' must be the same for all members: {'an integer' if p.kind == 'int' else 'it is fixed, compiled in'}")
+        raise UsageError(f"'{name}' must be the same for all members: it is {'an integer parameter' if p.kind == 'int' else 'fixed when the model is compiled'}")
     try:
         array = np.asarray(value, float)
     except (TypeError, ValueError):

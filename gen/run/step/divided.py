@@ -61,7 +61,7 @@ class Divided(Integrator):
         self._c.part_of(self._passed[0].ctypes.data, self._passed[2], part.ctypes.data)
         self._now(first=int(part[0]), end=int(part[1]))
         if ranks.count() > 1 and self.end - self.first == self.sites:
-            raise UsageError(f"the lattice is too small, or its shape does not allow, to be divided among {ranks.count()} ranks: "
+            raise UsageError(f"the lattice is too small to be divided among {ranks.count()} ranks, or its shape does not allow it: "
                              "use fewer, or run without --distributed")
         self._begin(w, seed, checked_tolerance(tolerance))
         if noise:

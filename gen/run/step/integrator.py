@@ -167,7 +167,7 @@ class Integrator(ReadOnly):
         """
         for p in self.scene.parameters:
             if p.name in values and (p.kind == "int" or p.fixed):
-                raise UsageError(f"'{p.name}' cannot be changed: it is {'an integer' if p.kind == 'int' else 'fixed, compiled in'}; build another model")
+                raise UsageError(f"'{p.name}' cannot be changed: it is {'an integer parameter' if p.kind == 'int' else 'fixed when the model is compiled'}; build another model")
         prepared = self.prepared.with_parameters(values)
         given = passed(*packed(prepared.numbers))
         if self._state:

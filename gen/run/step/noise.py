@@ -14,7 +14,7 @@ def noise_of(scene: Spec, h: float, seed: int | None = None, member: int = 0) ->
     """(seed, member) as C takes them, a seed from 2^63 on less 2^64; None without noise. Raises UsageError for those that do not fit, and for h < 0."""
     if not scene.heated:
         if member:
-            raise UsageError("a member selects one of several noises, but no effect of the scene has kT")
+            raise UsageError("`member` selects one of several realisations of the noise, but no effect of the scene has kT")
         return None
     if h < 0:
         raise UsageError("with noise, steps cannot be negative: use a positive h, or remove the effect with kT")

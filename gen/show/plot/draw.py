@@ -27,7 +27,7 @@ def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=N
     if piece and chosen != "places":
         raise UsageError(f"a part can be drawn with the kind 'places' and in films, not with '{chosen}'")
     if width is not None and chosen == "player":
-        raise UsageError("the player adapts to its window: omit the width")
+        raise UsageError("the player adapts to the size of its window: omit the width")
     picture = styled(KINDS[chosen][0])(result, **({"part": piece} if piece else {}))
     return write_page(picture, path) if chosen == "player" else save(resized(picture, width), path, exact=width is not None)
 
