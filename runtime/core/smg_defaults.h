@@ -63,6 +63,9 @@
 #ifndef SMG_LAW_FIRST
 #define SMG_LAW_FIRST 0
 #endif
+#ifndef SMG_ROWS_IN_TIME
+#define SMG_ROWS_IN_TIME 0
+#endif
 #ifndef SMG_RADII
 #define SMG_RADII 0
 #endif

@@ -99,7 +99,8 @@
  * SMG_SWEPT: sweeps come before Newton; SMG_ROTATION: each turns a spin exactly; SMG_BY_ROWS: by rows of a lattice,
  * with SMG_COLOURS and what else smg_rows.h asks for, SMG_LAW, SMG_ALL_OR_NOTHING: how sites respond beside some that
  * stand still (smg_respond.h), SMG_LAW_BY_SITE: what of that differs from site to site, in arrays from the number
- * SMG_LAW_FIRST on, SMG_RADII: radii differ, 1/r^2 has the number SMG_RADIUS_AT, SMG_ROW_TURNS: by an explicit method,
+ * SMG_LAW_FIRST on, SMG_RADII: radii differ, 1/r^2 has the number SMG_RADIUS_AT,
+ * SMG_ROWS_IN_TIME: bounds are those of the time of a step, SMG_ROW_TURNS: by an explicit method,
  * SMG_ROW_CLASSES: that
  * takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once
  * in lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a composition,

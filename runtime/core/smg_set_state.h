@@ -30,7 +30,7 @@ static inline int smg_is_stale(const smg_state *s) { return s->version != s->c.m
 
 /* From w on, as from a start. */
 static void smg_go_on_from(smg_state *s, const smg_real *w) {
-  if (smg_is_stale(s)) smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
+  if (smg_is_stale(s) || SMG_ROWS_IN_TIME) smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
   smg_put_state(s, w);
   smg_forget_history(s);
   smg_forget_compensation(s);

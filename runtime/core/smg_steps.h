@@ -13,7 +13,11 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
 #if SMG_THERMAL
   for (; count > 0 && status == SMG_OK; --count) status = smg_thermal_step(s);
 #else
-#if SMG_BY_ROWS
+#if SMG_ROWS_IN_TIME
+  for (const int64_t end = s->count + count; s->count < end && status == SMG_OK;)
+    status = s->rows && smg_next_by_rows(s) ? smg_row_steps(s, end - s->count) : smg_step(s);
+  return status;
+#elif SMG_BY_ROWS
   if (s->rows) return smg_row_steps(s, count);
 #endif
   for (; count > 0 && status == SMG_OK; --count) status = smg_step(s);

@@ -50,20 +50,51 @@ static inline smg_real smg_left_by_sweeps(const smg_state *s) {
   return 2 * factor / (1 - factor);
 }
 
-/* Do the steps of this state go by rows? */
-static inline void smg_choose_rows(smg_state *s) {
+/* What the bounds say: of all steps, or of the next one (SMG_ROWS_IN_TIME). */
+static inline void smg_weigh_rows(smg_state *s) {
   const smg_real h = smg_signed_h(s->h), field = smg_row_field(&s->c, h);
   s->row_bound = smg_row_factor(&s->c, h);
+  s->row_strong = field > SMG_ROW_STRONG;
+  s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
+  s->row_stretched = 36 * field > 1;                /* |h b| > 1/3 may be, as in smg_end_site */
+}
+
+/* Do the steps of this state go by rows? Where that depends on time, did the last one? */
+static inline void smg_choose_rows(smg_state *s) {
+#if SMG_ROWS_IN_TIME
+  smg_set_time_at(&s->c, s, s->count > 0 ? (smg_real)-0.5 : (smg_real)0.5);
+#endif
+  smg_weigh_rows(s);
 #if SMG_TANGENT
   s->rows = 0; /* its matrix stands in the other arrays */
 #else
   s->rows = s->row_bound <= SMG_ROW_BOUND;
 #endif
-  s->row_strong = field > SMG_ROW_STRONG;
-  s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
   s->row_passes = s->row_fewest = s->row_from = s->row_near = s->row_reach = s->row_due = 0;
-  s->row_stretched = 36 * field > 1; /* |h b| > 1/3 may be, as in smg_end_site */
 }
+
+#if SMG_ROWS_IN_TIME
+/* Does the next step go by rows? */
+static int smg_next_by_rows(smg_state *s) {
+  smg_set_time_at(&s->c, s, (smg_real)0.5);
+  smg_weigh_rows(s);
+  return s->row_bound <= SMG_ROW_BOUND;
+}
+
+/* The arrays that it has: where the last one had others, w alone is kept, and what the steps before have left is
+ * forgotten. */
+static void smg_suit_arrays(smg_state *s) {
+  if (smg_next_by_rows(s) == s->rows) return;
+  ++s->count; /* as that of the last step */
+  smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));
+  --s->count;
+  s->history = 0;
+  smg_blank_history(s);
+}
+#else
+#define smg_next_by_rows(s) 1
+#define smg_suit_arrays(s)
+#endif
 
 /* Their arrays. */
 static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {

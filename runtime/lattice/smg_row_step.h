@@ -132,7 +132,7 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   return SMG_OK;
 }
 
-/* count steps, or fewer: the first that fails is the last. */
+/* count steps, or fewer: the first that fails is the last, or the one before the first that does not go by rows. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_besides known;
@@ -140,10 +140,12 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
   smg_predict_rows(s);
   smg_exchange_late();
-  for (; count > 0 && status == SMG_OK; --count) {
+  for (; count > 0 && status == SMG_OK && smg_next_by_rows(s); --count) {
     smg_set_time_at(&s->c, s, (smg_real)0.5);
     status = smg_row_step(s, &known, count > 1);
   }
+  if (s->row_due) smg_go_on_rows(s, 0); /* the next one goes from site to site */
+  s->row_due = 0;
   smg_end_ranks(s);
   smg_leave_rows(s);
   return status;

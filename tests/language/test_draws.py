@@ -135,7 +135,7 @@ PLACES = {"square": ("square(n, 6, periodic)", "6*n", 8), "open": ("cubic(n, 3, 
 def test_rows_have_the_numbers_of_sites(place):
     lattice, sites, n = PLACES[place]
     spec = glass(lattice, sites, n, bond="0.7", field="0.2*normal(seed, i)*cos(3*t)")
-    assert "SMG_BY_ROWS" in generate(spec)["glass.c"]
+    assert "define SMG_BY_ROWS" in generate(spec)["glass.c"]
     one = smidgen.build(spec).start("r", h=0.1)
     w = one.w.copy()
     assert np.abs(one.steps(4).w - Witness(spec).steps(w, 0.0, 0.1, 4)[-1]).max() < 1e-13

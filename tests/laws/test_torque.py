@@ -349,7 +349,7 @@ torque = "0.2*cross(w[i], cross(w[i], p)) + 0.05*cross(w[i], p)"
 random = 2
 """
     spec = smidgen.load_text(text)
-    assert any("SMG_BY_ROWS" in text for text in generate(spec).values())
+    assert any("define SMG_BY_ROWS" in text for text in generate(spec).values())
     one = build(spec)
     by_rows = one.start("a", h=0.05).steps(30).w
     assert np.array_equal(by_rows, build(spec, threads=2).start("a", h=0.05).steps(30).w)

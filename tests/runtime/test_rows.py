@@ -123,7 +123,7 @@ MORE_OF_A_SHAPE = ("ring of 4", "ring of 16", "ring of 33", "ring of 66", "open 
 def test_rows_solve_the_step(monkeypatch, name):
     """Against the witness, which knows no rows."""
     spec = SPECS[name]
-    assert "SMG_BY_ROWS" in generate(spec)[f"{spec.name}.c"]
+    assert "define SMG_BY_ROWS" in generate(spec)[f"{spec.name}.c"]
     model = built(monkeypatch, spec).start("random", h=0.1)
     w, steps = model.w.copy(), 5 if model.sites < 200 else 2        # of hundreds of sites the witness takes seconds a step
     found, wanted = model.steps(steps).w, Witness(spec).steps(w, 0.0, 0.1, steps)
@@ -303,7 +303,7 @@ FIRST = [("odd and open", "spherical-midpoint"), ("seam", "spherical-midpoint"),
                                           pytest.param("open one way", "pair-rotations", marks=pytest.mark.long)])
 def test_a_large_plane_has_the_bits_of_a_small_one(monkeypatch, name, method):
     """There rows follow each other as they lie; a small lattice is taken for a large one here."""
-    assert re.search("SMG_BY_ROWS|SMG_ROW_STAGES", generate(PLANES[name], method=method)[f"{PLANES[name].name}.c"])
+    assert re.search("define SMG_(BY_ROWS|ROW_STAGES)", generate(PLANES[name], method=method)[f"{PLANES[name].name}.c"])
     found = []
     for large in (1 << 40, 0):
         monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LARGE_PLANE={large}")
@@ -314,7 +314,7 @@ def test_a_large_plane_has_the_bits_of_a_small_one(monkeypatch, name, method):
 @pytest.mark.parametrize("name, why", [("branches", "0.1*i*abs(w[i].x)"), ("unbounded", "1/w[i].z")])
 def test_what_rows_are_not_for(name, why):
     spec = lattice("general", "chain(n, periodic)", 16, "n", EXCHANGE + FIELD.replace(re.search('energy = "(.*)"', FIELD)[1], why))
-    assert "SMG_BY_ROWS" not in generate(spec)["general.c"]
+    assert "define SMG_BY_ROWS" not in generate(spec)["general.c"]
 
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])

@@ -9,6 +9,7 @@ from ..lower.code import Argument, Function, If, Return
 from ..lower.integers import Index, compare, total
 from ..lower.kernels import COEFFICIENTS
 from .bond_values import two_ended
+from .extent import OneTime
 from .row_bounds import Spins, block_norms
 from .rows import beside, bonds_of, neighbours, row_roles
 from .site_values import differs
@@ -19,7 +20,8 @@ def beside_norms(model, low, found):
     roles = row_roles(model, found.whole)
     if found.norm is None or found.rated or any(differs(t) or two_ended(t) for t, _ in roles):
         return None
-    blocks = {(t.prefix, k): block_norms(low, t, k, Spins(low, t, model.families[0].family.radius)) for t, k in roles}
+    at = OneTime(low) if found.timely else low
+    blocks = {(t.prefix, k): block_norms(at, t, k, Spins(low, t, model.families[0].family.radius)) for t, k in roles}
     kernels = [low.kernel(of_place(model, found, roles, blocks, sub), {}) for sub in range(found.over.sites)]
     return None if any(k.values for k in kernels) else [k.results for k in kernels]
 

@@ -25,6 +25,20 @@ ROUNDED = 1e-14       # of a coefficient, what rounding leaves of it
 MOST = 400, 80      # nodes of an end, and how deep they are: products of products of ends grow
 
 
+class OneTime:
+    """A lowering as bounds see it at the time of one step, which is then known."""
+
+    def __init__(self, low):
+        self.low = low
+
+    def __getattr__(self, name):
+        return getattr(self.low, name)
+
+    def level(self, name):
+        found = self.low.level(name)
+        return None if found == CLOCK else found
+
+
 def varies(low, e, ends=NO_ENDS) -> bool:
     """Does the time enter, or a symbol of those with ends?"""
     return any(s in ends or low.level(s.name) == CLOCK for s in e.free_symbols)

@@ -9,7 +9,7 @@ import sympy as sp
 
 from ..derive.derivatives import is_real, scalar
 from ..derive.parts import is_large
-from .extent import MOST, largest, largest_ever, varies
+from .extent import MOST, OneTime, largest, largest_ever, varies
 from .norms import isotropic, spectral_bound
 
 
@@ -65,6 +65,13 @@ def all_terms(block) -> int:
 def replaced(e, product, v, w):
     """e with that symbol in place of v.z w.z, and the rest of the product taken off it."""
     return sp.expand(e.subs(v[2] * w[2], product - v[0] * w[0] - v[1] * w[1]))
+
+
+def bounds_of_terms(low, terms, radius, stepped: bool) -> tuple:
+    """({(prefix, slot): bounds}, whether some hold at the time of one step alone); stepped: may they?"""
+    bounds = {(t.prefix, k): bounds_of_term(low, t, k, radius) for t in terms for k in range(len(t.slots))}
+    timely = {(t.prefix, k): bounds_of_term(OneTime(low), t, k, radius) for t in terms for k in range(len(t.slots)) if stepped and None in bounds[t.prefix, k]}
+    return {**bounds, **timely}, bool(timely)
 
 
 def bounds_of_term(low, t, k: int, radius) -> tuple:

@@ -23,7 +23,7 @@ from .families import SITE
 from .lanes import in_lanes, named
 from .norms import row_sums
 from .pairs import slope_bound
-from .row_bounds import bounds_of_term
+from .row_bounds import bounds_of_terms
 from .response import response_kernel
 from .site_factors import factors, multiplied, radius_settings, radius_values, rate_function, rated
 from .site_laws import differing, law_functions, law_settings, law_values
@@ -39,7 +39,7 @@ class Rows:
     """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
-    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii?
+    place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii? timely: do bounds hold at the time of a step alone?
     norms: what beside_norms.py has found.
     """
     over: Lattice
@@ -55,6 +55,7 @@ class Rows:
     differing: tuple = ()
     radii: bool = False
     norms: object = field(default=None, compare=False)
+    timely: bool = False
 
     @property
     def step(self) -> int:
@@ -85,8 +86,7 @@ def rows(model, low):
         return why_not
     if paired(model):
         return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound"
-    law = laws.get(f.name)
-    return held_rows(rows_of(model, low, f, over, whole_terms(model, low), differing(model, law, f.name)), model, low, law)
+    return held_rows(rows_of(model, low, f, over, whole_terms(model, low), differing(model, law := laws.get(f.name), f.name)), model, low, law)
 
 
 def rows_of(model, low, f, over, whole, laws):
@@ -98,11 +98,11 @@ def rows_of(model, low, f, over, whole, laws):
     why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + radii + len(laws)) or of_radii(f, terms)
     if why_not:
         return why_not
-    bounds = {(t.prefix, k): bounds_of_term(low, t, k, f.family.radius) if bounded else (None, None) for t in terms for k in range(len(t.slots))}
+    bounds, timely = bounds_of_terms(low, terms, f.family.radius, model.method.of_midpoints) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
-    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws, radii=radii)
+    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws, radii=radii, timely=timely)
     if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
         return f"{longest(model, f)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
@@ -274,7 +274,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 

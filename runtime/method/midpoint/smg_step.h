@@ -113,6 +113,7 @@ SMG_LINKED smg_status smg_advance(smg_state *s, smg_real h) {
 #if !SMG_COMPOSED
 static smg_status smg_step(smg_state *s) {
 #if SMG_BY_ROWS
+  smg_suit_arrays(s);
   if (s->rows) return smg_row_steps(s, 1);
 #endif
   smg_set_time_at(&s->c, s, (smg_real)0.5);
