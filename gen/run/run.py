@@ -266,8 +266,7 @@ def _plain(values: dict) -> dict:
 
 def went_by_rows(model) -> bool | None:
     """Was the last step of a lattice solved by rows? That is seen in what it keeps for the next: fewer increments. None where rows are no choice, or too few steps were taken."""
-    from ..compile.assemble.model import HISTORY as KEPT
-    from ..compile.plan.layout import MIDPOINT_ROWS
+    from ..compile.plan.layout import HISTORY as KEPT, MIDPOINT_ROWS
     if MIDPOINT_ROWS not in model.notes.get("reason", "") or model.count <= KEPT:
         return None
     return bool(model.save()[HISTORY] < KEPT)

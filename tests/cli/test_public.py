@@ -206,3 +206,12 @@ def test_many_names_are_cut_short():
     effects = "".join(f'[effects.effect{k}]\nenergy = "{k + 1}*w[0].x"\n' for k in range(40))
     text = TOP[:TOP.index("[effects")] + effects + TOP[TOP.index("[starts"):]
     assert short(smidgen.load_text(text)) and "(40)" in repr(smidgen.load_text(text))
+
+
+@pytest.mark.parametrize("name", ["free_rigid_body", pytest.param("cubic_lattice", marks=pytest.mark.long)])
+def test_a_model_that_is_compiled_already_runs_without_sympy(name, tmp_path):
+    """Nothing is derived, so that the second run of a spec is spared its import."""
+    words = ["run", name, "--steps", "9", "--out", str(tmp_path / "found.csv")]
+    for first in ("", "sys.modules['sympy'] = None; "):
+        said = subprocess.run([sys.executable, "-c", f"import sys; {first}from smidgen.cli import main; sys.exit(main({words!r}))"], capture_output=True, text=True, check=False)
+        assert said.returncode == 0, said.stderr[-2000:]

@@ -3,7 +3,14 @@
     report = explain(spec)
     report.words(), report.rotations, report.integrals
 """
-from .integrals import Integral
-from .report import Report, explain
+from importlib import import_module
+
+_HOMES = {"Integral": "integrals", "Report": "report", "explain": "report"}     # imported once they are asked for: they take sympy
 
 __all__ = ["Integral", "Report", "explain"]
+
+
+def __getattr__(name):
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_HOMES[name]}", __name__), name)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...compile.assemble.model import HISTORY as KEPT
+from ...compile.plan.layout import HISTORY as KEPT
 from ...extremes import largest
 from ...run.step.saved import HISTORY
 from ..witness import EQUATIONS

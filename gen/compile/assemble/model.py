@@ -17,16 +17,13 @@ from ..lower.loops import Loops
 from ..lower.lowering import Lowering
 from ..plan.contributions import contributions_of, fields_of, require, responses_of
 from ..plan.held import present
-from ..plan.layout import with_layout
+from ..plan.layout import HISTORY, with_layout
 from ..plan.plan import Plan, require_free_body
 from .families import FamilyCode, family_codes
 from .norms import edge_norms, reach
 from .parts import FIRST, PARTS
 from .rows import one_lattice
 from .same_bonds import energy_kernels
-
-
-HISTORY = 7     # increments kept for the predictor; its degree adapts up to one less
 
 
 class Model:

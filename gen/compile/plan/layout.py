@@ -17,6 +17,7 @@ from dataclasses import replace
 from ...methods import Method
 from .plan import Plan
 
+HISTORY = 7     # increments kept for the predictor where a layout has no number of its own; its degree adapts up to one less
 LAYOUTS = ("members", "rows", "few", "single", "sites")     # the first that is offered is taken; the last always is
 MIDPOINT_ROWS = "by rows in lanes if h is so small that sweeps must converge"
 TURN_ROWS = "sites of a row in lanes if the periodic directions fit the colours"
