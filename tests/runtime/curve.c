@@ -33,10 +33,7 @@ int main(void) {
   f.of = &k;
   f.newton = newton;
   f.sign_of = NULL;
-  f.n = k.n;
-  f.w = room;
-  f.scale = 1;
-  f.y = room + k.n, f.t = room + 2 * k.n, f.a = room + 3 * k.n, f.c = room + 4 * k.n, f.x = room + 5 * k.n;
+  smg_begin_curve(&f, k.n, room, 1, room + k.n);
   pipe_put(smg_follow(&f));
   pipe_put((double)f.reached);
   pipe_put((double)(f.y[0] - 1));

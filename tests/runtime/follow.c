@@ -43,10 +43,7 @@ int main(void) {
   f.of = &k;
   f.newton = newton;
   f.sign_of = NULL;
-  f.n = k.n;
-  f.w = w;
-  f.scale = 1;
-  f.y = room, f.t = room + k.n, f.a = room + 2 * k.n, f.c = room + 3 * k.n, f.x = room + 4 * k.n;
+  smg_begin_curve(&f, k.n, w, 1, room);
   pipe_put(smg_follow(&f));
   pipe_put((double)f.reached);
   pipe_put((double)f.site);
