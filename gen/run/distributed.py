@@ -89,6 +89,9 @@ def complete(model, settings, store, newest, progress):
         began -= record.seconds
         status, error = advance(model, settings, record, progress or (lambda done: None), began)
         result = record.close(status, began)
+    except BaseException:
+        store.abandon()
+        raise
     finally:
         store.release()
     if error is not None:
@@ -163,6 +166,11 @@ class Store:
         if self.handle is not None:
             os.close(self.handle)
         self.handle = None
+
+    def abandon(self) -> None:
+        """Leave no trace, unless there is a checkpoint."""
+        if ranks.first() and not (self.folder / "newest.json").exists():
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def write_state(self, model, name: str) -> None:
         """This rank's part of a saved state, on the disk."""

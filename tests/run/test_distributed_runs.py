@@ -87,6 +87,18 @@ def test_a_rank_that_fails_ends_all(magnet):
     assert said.returncode == 8 and "continue with `smidgen run --resume all.h5`" in said.stderr
 
 
+@pytest.mark.long
+def test_what_cannot_be_written_leaves_no_trace(magnet):
+    """A folder that is missing; a limit on the size of files, which the layout of the result exceeds."""
+    before = sorted(path.name for path in magnet.where.iterdir())
+    said = magnet(1, *GIVEN, "--out", "nowhere/a.h5", "--distributed")
+    assert said.returncode == 8 and "cannot write nowhere/a.h5" in said.stderr
+    words = f"ulimit -f 20; exec {sys.executable} driver.py run {' '.join(GIVEN)} --out b.h5 --distributed"
+    said = subprocess.run(["bash", "-c", words], cwd=magnet.where, capture_output=True, text=True, env={**os.environ, **MPI})
+    assert said.returncode == 8 and "cannot write b.h5" in said.stderr
+    assert sorted(path.name for path in magnet.where.iterdir()) == before
+
+
 REFUSED = [(("--out", "a.npz"), "writes HDF5 in parts"), ((), "writes HDF5 in parts"),
            (("--out", "a.h5", "--what", "casimirs"), "there is no output 'casimirs'"),
            (("--out", "a.h5", "--substeps"), "does not support --substeps"),

@@ -4,11 +4,13 @@ import subprocess
 
 import pytest
 import smidgen
+from smidgen.build.mpi import mpi_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
 from smidgen.resources import include_flags
 from smidgen.run.step.start import initial_state
-from test_ranks import BATH, LONG, SMALL, mpirun, needs_mpi
+from support.strict import COMPILERS, WARNINGS
+from test_ranks import LONG, SMALL, mpirun, needs_mpi
 from test_rows import DM, EXCHANGE, FIELD, SPECS, lattice
 
 # Numbers of other ranks are NaN wherever a rank is given some. Every rank writes its part of the saved state and of w into one file.
@@ -241,6 +243,17 @@ def test_memory_that_is_touched_is_seen(tmp_path):
     programs(tmp_path, spec, "-O1", main=MEMORY, right="if (smg_is_divided()) smg_clear_rows(s);", wrong="if (0) smg_clear_rows(s);")
     all_ = memory(mpirun(4, "./shared", cwd=tmp_path, OMP_WAIT_POLICY="passive"))
     assert len(all_) == 4 and all_[0] > 100 * 1024 * 400
+
+
+@needs_mpi
+@pytest.mark.long
+@pytest.mark.parametrize("compiler", [c for c in COMPILERS if "++" not in c])
+def test_clean_c(tmp_path, compiler):
+    spec = CASES["warm"][0]
+    for file, text in generate(spec, amalgamate=True, features=("distributed",)).items():
+        (tmp_path / file).write_text(text)
+    words = [*mpi_compiler((compiler,)), *COMPILERS[compiler], *WARNINGS, "-Wno-psabi", "-I."]
+    subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
 
 
 def test_models_that_cannot_be_divided_are_refused():
