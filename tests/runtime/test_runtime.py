@@ -229,7 +229,7 @@ MUTANTS = {
     "panel update misses a column": ("dense", "smg_dense.h", "l[7] * u[7 * n + j]", "l[6] * u[7 * n + j]"),
     "only the lower half looked at": ("branch", "smg_dense.h", "(A[i * n + j] + A[j * n + i]) / 2 -", "A[i * n + j] -"),
     "swaps forgotten": ("branch", "smg_dense.h", "if ((p != c) != (A[p * n + c] < 0))", "if (A[p * n + c] < 0)"),
-    "the diagonal kept": ("branch", "smg_dense.h", "A[i * n + j] - (i == j))", "A[i * n + j])"),
+    "the diagonal kept": ("branch", "smg_dense.h", "smg_abs(row[i] - 1)", "smg_abs(row[i])"),
     "spin turns backwards": ("spin", "smg_spin.h", "(w[1] * g[2] - w[2] * g[1])", "(w[2] * g[1] - w[1] * g[2])"),
     "spin forgets the sign of g.w": ("spin", "smg_spin.h", "d < 0 ? -t : t;", "t;"),
 }
