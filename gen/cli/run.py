@@ -198,6 +198,7 @@ def facts(args, result, code) -> dict:
 
 def lines(args, result):
     """The summary for people."""
+    from ..run.step.library import binds
     meta = result.meta
     name = f"{meta['spec']} {meta['run']}" if meta["spec"] != meta["run"] else f"model {meta['spec']}, run {meta['run']}"
     yield (f"{name}: {meta['method']}, h = {meta['h']:.10g}{unit(meta, 't')}, {meta['done']} of "
@@ -206,6 +207,8 @@ def lines(args, result):
         yield f"chosen: {notes_line(meta['chosen'])}"
     if result.summary.get("by_rows") is not None:
         yield f"this run was solved {'by rows' if result.summary['by_rows'] else 'site by site, because h is too large for rows'}"
+    if binds(meta.get("threads")):
+        yield "threads were bound to processors (OMP_PROC_BIND=false leaves them free)"
     yield from deviation_lines(result.summary, meta)
     yield from estimate_lines(result)
     yield from split_lines(result)

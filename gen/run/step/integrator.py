@@ -110,7 +110,7 @@ class Integrator(ReadOnly):
         self.name, self.notes, self.threads = self.scene.name, built.notes, threads
         self.parameters, self.families = prepared.numbers.parameters, prepared.numbers.places
         self.real = np.dtype(np.longdouble if built.real == "long double" else np.float64)
-        self._library = loaded(built.binary) if threads is None else loaded_with_threads(built.binary)
+        self._library = loaded(built.binary) if threads is None else loaded_with_threads(built.binary, threads)
         self._c = functions(self._library, self.name)
         self._state, self._passed = None, passed(*packed(prepared.numbers))
         self.h, self.t0, self.count, self.w = math.nan, 0.0, 0, None
