@@ -44,8 +44,8 @@ class SpinWaves(ReadOnly):
     :ivar growth: the rate at which each mode grows, shape (waves, lines); 0 at minima of the energy.
     :ivar w: the equilibrium, shape (sites, 3).
     :ivar meta: `cell`, the numbers of cells after which the motion repeats; `turns`, degrees from cell to cell in each direction for an order
-        that goes on by a rotation, otherwise []; `torque`, the largest |n x g| over the largest |g|; `moved`, by how many degrees relaxation
-        turned spins; `energy`; `stable`, whether no mode lowers the energy; `notes`, what the lines leave out.
+        that continues from cell to cell by a rotation, otherwise []; `torque`, the largest |n x g| over the largest |g|; `moved`, by how
+        many degrees relaxation turned spins; `energy`; `stable`, whether no mode lowers the energy; `notes`, what the lines leave out.
     """
     INSTEAD = {"": "smidgen.spin_waves(spec, ...) finds others"}
     meta: dict
@@ -78,8 +78,8 @@ def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarra
     :param q: as for `spectrum`; wave vectors in an array need not be those of the finite lattice.
     :param basis: as for `spectrum`.
     :param relax: whether to minimise the energy from `start`, rather than to require that `start` is an equilibrium.
-    :param cell: the magnetic cell, as numbers of cells in each direction; by default the smallest is found, or the rotation by which a spiral
-        goes on.
+    :param cell: the magnetic cell, as numbers of cells in each direction; by default the smallest is found, or the rotation of a
+        spiral from cell to cell.
     :param between: the number of steps from one wave vector of the lattice to the next along a path, for smooth lines.
     :raises UsageError: if the state is not an equilibrium, for energies that depend on time, torques, tracers and magnetic cells of more than
         1000 sites.

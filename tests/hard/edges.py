@@ -41,7 +41,7 @@ def aligned():
 
 @case("one component zero")
 def one_zero():
-    """A body in the plane of two axes leaves it at the exact rate of the third component. If a sign is reversed, the solution is reversed with it."""
+    """A body in the plane of two axes leaves it at the exact rate of the third component. If the start is rotated by pi about the third axis, so is the solution."""
     # broken by: 0/0 in a ratio of components, a reflection symmetry that round-off breaks
     one = model(begin("free_rigid_body"))
     for w in ([0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.6, 0.8, 0.0]):

@@ -125,7 +125,7 @@ def up_to_the_fold():
 
 @case("close vortex pair, beyond the fold")
 def beyond_the_fold():
-    """No solution, said within one step, the pair named, the state untouched."""
+    """There is no solution. One call of the step detects this, names the pair, and leaves the state unchanged."""
     # broken by: an accepted non-solution, an untyped failure, a write to the state before the step is known to hold
     for (name, (k1, k2, gap)), solver in product(PAIRS.items(), SOLVERS):
         _, limit = fold(k1, k2, gap)

@@ -174,7 +174,7 @@ def newton_plan(spec: Spec, method: str, local, coupled, overs):
     small = size <= DENSE_SMALL
     if 0 < width <= BAND_LIMIT and n >= 2 * width + 1 and not (small and fixed_size(spec, coupled)):
         kind = "cyclic" if wrap else "open"
-        return Plan(method, local, coupled, "band", f"Newton on a {kind} band of {width} blocks", coupling="chain",
+        return Plan(method, local, coupled, "band", f"Newton's method on a {kind} band of half-width {width}", coupling="chain",
                     band=width, wrap=wrap)
     if small:
         return Plan(method, local, coupled, "dense", "dense Newton")

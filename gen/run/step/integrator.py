@@ -139,7 +139,7 @@ class Integrator(ReadOnly):
         :param h: the step size; negative to go backward in time.
         :param t0: the time of the start.
         :param seed: the seed of a random start and of thermal noise (None: 0).
-        :param member: selects one of the independent noises with this seed.
+        :param member: selects one of the independent realisations of the noise with this seed.
         :param tolerance: the error allowed in a step, relative to the largest component of w; None for round-off (with step control, its
             default).
         :raises UsageError: for an array of another shape, a vector off its sphere, or an invalid h.
