@@ -156,8 +156,6 @@ static void smg_begin_ranks(const smg_state *s, smg_besides *known) {
 /* Every rank does all of what follows. */
 static void smg_by_each_rank(void) {
   smg_mpi_parts = 1;
-  smg_mpi_part = 0;
-  smg_mpi_of = 1;
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_halo.messages[colour] = 0;
 }
 

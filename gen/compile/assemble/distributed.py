@@ -18,6 +18,8 @@ class Distributed(Asked):
         if model.in_rows is None or not model.method.of_midpoints:
             raise UsageError("feature distributed: only lattices processed by rows with a midpoint method can be divided"
                              + f"; this one goes site by site, because {model.why_by_site}" * bool(model.why_by_site))
+        if model.in_rows.timely:
+            raise UsageError("feature distributed: the bounds of this model grow with time, so that not every step is processed by rows")
         for term in (*model.spec.energies, *model.spec.observables):
             if why := undivided(model.in_rows.over, term):
                 raise UsageError(f"feature distributed: '{term.name}' cannot be summed in parts: {why}")
