@@ -85,6 +85,16 @@ class Method:
     noise_within: bool = False
 
     @property
+    def responds_by_rows(self) -> bool:
+        """Has it a step by rows for sites that do more than precess? Off the leaf |m| is not known, which such sites ask for."""
+        return self.onto_leaf or bool(self.splitting) or self.by_field
+
+    @property
+    def takes_fields(self) -> bool:
+        """By rows of a lattice it takes the field where it is asked for, whatever h is: no bound is needed."""
+        return self.stage_rows or self.by_field
+
+    @property
     def of_midpoints(self) -> bool:
         """Its step is one or several of a midpoint."""
         return self.midpoint or self.stages > 1 and not self.how

@@ -45,6 +45,15 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
 #undef smg_told_respond
 #undef smg_told_number
 
+#if SMG_LAW_BY_SITE
+/* The response of the sites in some slots; values: those that differ from site to site, a pitch apart. */
+SMG_INLINE smg_told smg_told_of_slots(smg_told told, const smg_real *values, int64_t pitch) {
+  for (int k = 0, n = SMG_LAW_FIRST; k < SMG_RESPONSE_SIZE; ++k)
+    if (SMG_LAW_BY_SITE >> k & 1) told.r[k] = smg_lane_take(values + n++ * pitch);
+  return told;
+}
+#endif
+
 /* R = F + m x Q, in `room`. */
 SMG_INLINE const smg_lanes *smg_lane_respond(const smg_told *told, const smg_lanes *m, const smg_lanes *g,
                                              smg_lanes *room) {

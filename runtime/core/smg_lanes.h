@@ -142,16 +142,17 @@ SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x)
 #include "smg_triple_template.h"
 #include "smg_in_numbers.h"
 
-/* smg_add_step in lanes; what its components have lost is at `lost`, a pitch apart. */
-SMG_INLINE void smg_lane_add_step(int64_t n, smg_lanes *w, smg_real *lost, int64_t pitch, const smg_lanes *u) {
+/* smg_add_step in lanes; what its components have lost is at `lost`, and then at `to`, a pitch apart. */
+SMG_INLINE void smg_lane_add_step(int64_t n, smg_lanes *w, const smg_real *lost, smg_real *to, int64_t pitch,
+                                  const smg_lanes *u) {
 #if SMG_PLAIN_SUMS
-  (void)lost, (void)pitch;
+  (void)lost, (void)to, (void)pitch;
   smg_lane_axpy(w, smg_lane_of(1), u, n);
 #else
   for (int64_t k = 0; k < n; ++k) {
     smg_lanes carried = smg_lane_take(lost + k * pitch);
     smg_lane_add_compensated(w + k, &carried, u[k]);
-    smg_lane_put(lost + k * pitch, carried);
+    smg_lane_put(to + k * pitch, carried);
   }
 #endif
 }

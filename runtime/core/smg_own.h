@@ -8,9 +8,7 @@
 
 #if SMG_DISTRIBUTED && defined(SMG_MPI)
 #define SMG_IN_PARTS 1
-static struct {
-  int64_t from, to;
-} smg_own;
+static struct { int64_t from, to; } smg_own;
 #define smg_own_from(c) smg_own.from
 #define smg_own_to(c) smg_own.to
 /* A loop over layers, cells or sites, `per` sites each, of which there are some from `start` on. */

@@ -13,7 +13,9 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
 #if SMG_THERMAL
   for (; count > 0 && status == SMG_OK; --count) status = smg_thermal_step(s);
 #else
-#if SMG_ROWS_IN_TIME
+#if SMG_ROW_FIELDS
+  return smg_field_steps(s, count);
+#elif SMG_ROWS_IN_TIME
   for (const int64_t end = s->count + count; s->count < end && status == SMG_OK;)
     status = s->rows && smg_next_by_rows(s) ? smg_row_steps(s, end - s->count) : smg_step(s);
   return status;

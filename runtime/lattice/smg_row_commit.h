@@ -8,20 +8,23 @@
 #include "smg_row_state.h"
 #include "smg_row_team.h"
 
-/* What that works with: increments u of the first colour, and those of all others, from the slot `first` on, of the
- * last steps, newest first; they extrapolate by a polynomial of some degree, with these weights. */
+/* What that works with: the spins from, and where they go; increments u of the first colour, and those of all others,
+ * from the slot `first` on, of the last steps, newest first; so many of them extrapolate, with these weights. */
 typedef struct smg_row_going {
+  const smg_real *from, *lost_from;
   smg_real *w, *lost, *m;
   const smg_real *u, *past[SMG_ROW_HISTORY];
   int64_t pitch, early, late, first;
   smg_inverses inverses;
   smg_real weights[SMG_ROW_HISTORY];
-  int degree;
+  int terms;
 } smg_row_going;
 
 static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
   const int64_t first = smg_colour_slots(&s->c);
-  smg_row_going go = {s->row_w,
+  smg_row_going go = {SMG_ROW_FROM(s, row_w),
+                      SMG_ROW_FROM(s, row_compensation),
+                      s->row_w,
                       s->row_compensation,
                       s->row_m,
                       s->row_u,
@@ -32,22 +35,22 @@ static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
                       first,
                       smg_inverses_of(s),
                       {0},
-                      degree};
+                      smg_terms(degree)};
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) go.past[j] = s->past[j] - first;
-  for (int j = 0; j <= degree; ++j) go.weights[j] = smg_weight(degree, j);
+  for (int j = 0; j < go.terms; ++j) go.weights[j] = smg_past_weight(s, degree, j);
   return go;
 }
 
-/* m = P(w + u/2) of the slots of one vector, u extrapolated. */
-SMG_INLINE void smg_predict_slots(const smg_row_going go, int64_t slot, int degree, const smg_lanes *w) {
+/* m = P(w + u/2) of the slots of one vector, u extrapolated; P = 1 where midpoints are no projections. */
+SMG_INLINE void smg_predict_slots(const smg_row_going go, int64_t slot, int terms, const smg_lanes *w) {
   smg_lanes m[3];
   for (int k = 0; k < 3; ++k) {
     smg_lanes u = {0};
     SMG_UNROLL
-    for (int j = 0; j <= degree; ++j) u += go.weights[j] * smg_lane_take(go.past[j] + k * go.late + slot);
+    for (int j = 0; j < terms; ++j) u += go.weights[j] * smg_lane_take(go.past[j] + k * go.late + slot);
     m[k] = w[k] + (smg_real)0.5 * u;
   }
-  smg_lane_stretch_to(smg_inverse_at(go.inverses, slot), 0, m);
+  if (SMG_ONTO_LEAF) smg_lane_stretch_to(smg_inverse_at(go.inverses, slot), 0, m);
   smg_put_slots(go.m, go.pitch, slot, m);
 }
 
@@ -55,7 +58,7 @@ static void smg_predict_share(const smg_row_going go, smg_share part) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes w[3];
     smg_take_slots(go.w, go.pitch, slot, w);
-    smg_predict_slots(go, slot, go.degree, w);
+    smg_predict_slots(go, slot, go.terms, w);
   }
 }
 
@@ -67,49 +70,54 @@ static void smg_predict_rows(const smg_state *s) {
 
 /* w + compensation + u of the slots of one vector (Kahan). */
 SMG_INLINE void smg_commit_slots(const smg_row_going go, int64_t slot, const smg_lanes *u, smg_lanes *sum) {
-  smg_take_slots(go.w, go.pitch, slot, sum);
-  smg_lane_add_step(3, sum, go.lost + slot, go.pitch, u);
+  smg_take_slots(go.from, go.pitch, slot, sum);
+  smg_lane_add_step(3, sum, go.lost_from + slot, go.lost + slot, go.pitch, u);
   smg_put_slots(go.w, go.pitch, slot, sum);
 }
 
 /* What comes soon is fetched while there is other work: so many streams are more than processors foresee. Without it
  * 100^3 spins take 5 % longer, and lattices that a cache holds as long. */
 #define SMG_SOON 16 /* slots */
-SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int degree) {
+SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int terms) {
   for (int k = 0; k < 3; ++k) {
-    SMG_FETCH(go.w + k * go.pitch + slot);
-    SMG_FETCH(go.lost + k * go.pitch + slot);
+    SMG_FETCH(go.from + k * go.pitch + slot);
+    SMG_FETCH(go.lost_from + k * go.pitch + slot);
     if (slot < go.first) {
       SMG_FETCH(go.u + k * go.early + slot);
       continue;
     }
     SMG_FETCH(go.m + k * go.pitch + slot);
-    for (int j = 0; j == 0 || j <= degree; ++j) SMG_FETCH(go.past[j] + k * go.late + slot);
+    for (int j = 0; j == 0 || j < terms; ++j) SMG_FETCH(go.past[j] + k * go.late + slot);
   }
 }
 
-/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, by a degree
- * that the compiler knows; none: SMG_NO_DEGREE. */
-SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int degree) {
+/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, from so many
+ * as the compiler knows, or from none. */
+SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int terms) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes u[3], w[3];
-    if (slot % SMG_WIDEST == 0 && slot + SMG_SOON < part.to) smg_fetch_slots(go, slot + SMG_SOON, degree);
+    if (slot % SMG_WIDEST == 0 && slot + SMG_SOON < part.to) smg_fetch_slots(go, slot + SMG_SOON, terms);
     if (slot < go.first) smg_take_slots(go.u, go.early, slot, u);
     else smg_take_slots(go.past[0], go.late, slot, u);
     smg_commit_slots(go, slot, u, w);
-    if (slot >= go.first && degree >= 0) smg_predict_slots(go, slot, degree, w);
+    if (slot >= go.first && terms > 0) smg_predict_slots(go, slot, terms, w);
   }
 }
 
 static void smg_go_on(const smg_row_going go, smg_share part) {
-  if (go.degree == 0) smg_go_on_by(go, part, 0);
-  else if (go.degree == 1) smg_go_on_by(go, part, 1);
-  else if (go.degree == 2) smg_go_on_by(go, part, 2);
-  else if (go.degree == 3) smg_go_on_by(go, part, 3);
+  if (go.terms == 1) smg_go_on_by(go, part, 1);
+#if SMG_COMPOSED
+  else if (go.terms == 6) smg_go_on_by(go, part, 6);
+  else if (go.terms == 8) smg_go_on_by(go, part, 8);
+#else
+  else if (go.terms == 2) smg_go_on_by(go, part, 2);
+  else if (go.terms == 4) smg_go_on_by(go, part, 4);
 #if SMG_COLOURS == 2
-  else if (go.degree == 4) smg_go_on_by(go, part, 4);
+  else if (go.terms == 5) smg_go_on_by(go, part, 5);
 #endif
-  else smg_go_on_by(go, part, SMG_NO_DEGREE);
+#endif
+  else if (go.terms == 3) smg_go_on_by(go, part, 3);
+  else smg_go_on_by(go, part, 0);
 }
 
 /* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other

@@ -27,10 +27,7 @@ typedef struct smg_turning {
 /* The response of the sites in the slots of one vector. */
 SMG_INLINE smg_told smg_told_at(const smg_turning turn, int64_t slot) {
 #if SMG_LAW_BY_SITE
-  smg_told told;
-  for (int k = 0, n = SMG_LAW_FIRST; k < SMG_RESPONSE_SIZE; ++k)
-    told.r[k] = SMG_LAW_BY_SITE >> k & 1 ? smg_lane_take(turn.values + n++ * turn.pitch + slot) : turn.told.r[k];
-  return told;
+  return smg_told_of_slots(turn.told, turn.values + slot, turn.pitch);
 #else
   return (void)slot, turn.told;
 #endif
@@ -66,7 +63,7 @@ SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turn
 }
 
 /* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w
- * + u/2 - rho m. */
+ * + u/2 - rho m, rho = 1 where midpoints are no projections. */
 SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, const smg_lanes *m, const smg_lanes *g,
                               smg_lanes *most) {
   smg_lanes w[3], u[3], e[3], room[3];
@@ -82,7 +79,8 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
     smg_lane_stretch(w, lost, R, inverse, turn.weakest, u);
   }
   smg_lane_waxpy(e, smg_lane_of((smg_real)0.5), u, w, 3);
-  smg_lane_axpy(e, -(inverse * smg_lane_dot(w, m)), m, 3);
+  if (SMG_ONTO_LEAF) smg_lane_axpy(e, -(inverse * smg_lane_dot(w, m)), m, 3);
+  else smg_lane_axpy(e, smg_lane_of(-1), m, 3);
   smg_first_lanes(in, u); /* of what is no site of the piece 0, in empty slots to stay */
   *most = smg_lane_max(*most, smg_lane_first(in, smg_lane_dot(e, e)));
   smg_put_slots(turn.u, turn.u_pitch, slot, u);

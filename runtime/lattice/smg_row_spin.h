@@ -64,6 +64,13 @@ SMG_INLINE void smg_lane_stretch_to(smg_inverse inverse, int near, smg_lanes *v)
   smg_lane_scale(v, scale, 3);
 }
 
+/* The midpoint of w in the field g where that is no projection, m - m x g = w: v with rho = 1, and |m| <= |w|. */
+SMG_INLINE void smg_lane_midpoint(const smg_lanes *w, const smg_lanes *g, smg_lanes *m) {
+  const smg_lanes scale = 1 / (1 + smg_lane_dot(g, g));
+  smg_lane_along_spin(w, g, smg_lane_of(1), m);
+  for (int k = 0; k < 3; ++k) m[k] *= scale;
+}
+
 /* Takes from v its part along b; inverse = 1/|b|^2. */
 SMG_INLINE void smg_lane_across(const smg_lanes *b, smg_lanes inverse, smg_lanes *v) {
   smg_lane_axpy(v, -(smg_lane_dot(b, v) * inverse), b, 3);

@@ -7,7 +7,8 @@
  *
  *     x B r / sqrt(1 - x^2 (B r + F0)^2).
  *
- * and of spins with a response sqrt(f^2 + r^2 q^2) times that (smg_row_field.h).
+ * and of spins with a response sqrt(f^2 + r^2 q^2) times that (smg_row_field.h). Of the classical midpoint, where rho =
+ * 1, a change of g moves m by at most |m| <= r times it.
  *
  * Where that is below 1, for this h and so for all smaller ones, there is one solution; it moves continuously from W =
  * w at h = 0, and sweeps find it. Neither a branch is to be checked nor a matrix needed: such a state keeps its rows
@@ -29,11 +30,41 @@
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
  * the digits of double. */
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
-/* increments kept, of all colours but the first: with them a spin has at most 160 bytes */
+/* increments kept, of all colours but the first: with them a spin has at most 160 bytes; of compositions those of all
+ * stages that their predictor looks back on, with spare arrays for a step that fails */
+#if SMG_COMPOSED
+#define SMG_ROW_HISTORY SMG_HISTORY
+#define SMG_ROW_SPARE (SMG_COMPOSED < SMG_HISTORY ? SMG_COMPOSED : SMG_HISTORY)
+#define SMG_ROW_HELD(size) (2 * (size) + SMG_WIDEST) /* w before the step, and what the predictor has missed */
+#else
 #define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4)
+#define SMG_ROW_SPARE 0
+#define SMG_ROW_HELD(size) 0
+#endif
 /* of arrays of the first colour, and of all others */
 #define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
 #define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
+
+/* What is known of the passes of each stage; the array that a stage adds the increments before it to: in the second
+ * one of a step to that of its start, which is kept. */
+#if SMG_COMPOSED
+#define SMG_OF_STAGE(s, member) (s)->member[(s)->stage]
+#define SMG_ROW_FROM(s, array) ((s)->stage == 1 ? (s)->array##_before : (s)->array)
+#else
+#define SMG_OF_STAGE(s, member) (s)->member
+#define SMG_ROW_FROM(s, array) (s)->array
+#endif
+
+/* The size of the largest stage. */
+static inline smg_real smg_largest_stage(const smg_state *s) {
+  smg_real most = smg_signed_h(s->h);
+#if SMG_COMPOSED
+  smg_real part = 0;
+  for (int i = 0; i < SMG_COMPOSED; ++i) smg_take(&part, smg_abs(smg_gamma[i]));
+  most *= part;
+#endif
+  return most;
+}
 
 /* That factor, or SMG_MAX. */
 static inline smg_real smg_row_factor(const smg_coefficients *c, smg_real h) {
@@ -52,7 +83,7 @@ static inline smg_real smg_left_by_sweeps(const smg_state *s) {
 
 /* What the bounds say: of all steps, or of the next one (SMG_ROWS_IN_TIME). */
 static inline void smg_weigh_rows(smg_state *s) {
-  const smg_real h = smg_signed_h(s->h), field = smg_row_field(&s->c, h);
+  const smg_real h = smg_largest_stage(s), field = smg_row_field(&s->c, h);
   s->row_bound = smg_row_factor(&s->c, h);
   s->row_strong = field > SMG_ROW_STRONG;
   s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
@@ -70,7 +101,15 @@ static inline void smg_choose_rows(smg_state *s) {
 #else
   s->rows = s->row_bound <= SMG_ROW_BOUND;
 #endif
-  s->row_passes = s->row_fewest = s->row_from = s->row_near = s->row_reach = s->row_due = 0;
+  s->row_from = s->row_reach = s->row_due = 0;
+#if SMG_COMPOSED
+  for (s->stage = SMG_COMPOSED; s->stage > 0;) {
+    --s->stage;
+    SMG_OF_STAGE(s, row_passes) = SMG_OF_STAGE(s, row_fewest) = SMG_OF_STAGE(s, row_near) = 0;
+  }
+#else
+  s->row_passes = s->row_fewest = s->row_near = 0;
+#endif
 }
 
 #if SMG_ROWS_IN_TIME
@@ -106,8 +145,14 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     s->row_u = smg_place_slots(&next, first);
     s->row_late = smg_place_slots(&next, late);
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
+#if SMG_COMPOSED
+    for (int j = 0; j < SMG_ROW_SPARE; ++j) s->spare[j] = smg_place_slots(&next, late);
+    s->row_w_before = smg_place_slots(&next, size);
+    s->row_compensation_before = smg_place_slots(&next, size);
+    s->misses = next;
+#endif
   }
-  const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + 1) * late;
+  const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + SMG_ROW_SPARE + 1) * late + SMG_ROW_HELD(size);
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
@@ -122,6 +167,7 @@ static void smg_clear_rows(const smg_state *s) {
 }
 #endif
 
+#if SMG_ONTO_LEAF
 /* Those of a state that is kept by sites, for the sweeps of smg_row_beyond.h, and their number. */
 static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
@@ -144,10 +190,15 @@ static inline size_t smg_beyond_size(const smg_coefficients *c) {
   s.c.model = c->model;
   return smg_place_beyond(&s, NULL);
 }
+#endif
 
 static inline void smg_make_tables(smg_state *s) {
+#if SMG_ONTO_LEAF
   if (!s->rows) (void)smg_place_beyond(s, s->row_beyond);
   smg_fill_tables(s);
+#else
+  if (s->rows) smg_fill_tables(s);
+#endif
 }
 
 /* What a saved state has; of the increments those of the first colour are 0. */

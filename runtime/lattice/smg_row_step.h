@@ -59,7 +59,11 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
     for (int j = 0; j < s->history; ++j) all[b * n + 1 + j] = s->past[j][at];
   }
   smg_share_sample(&s->c, k, all, 3 * n);
+#if SMG_COMPOSED
+  for (int b = 0; b < 3; ++b) smg_add_level_misses(s, all + b * n, miss);
+#else
   for (int b = 0; b < 3; ++b) smg_add_misses(s->history, all + b * n, miss);
+#endif
 }
 
 #define SMG_SAMPLE 20 /* slots, of which each has three numbers */
@@ -67,17 +71,29 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
 /* Which degree would have served best? A sample decides, now and then: of the same sites wherever they stand. */
 static void smg_choose_row_degree(smg_state *s) {
   const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
+#if SMG_COMPOSED
+  smg_real *miss = s->misses;
+  if (s->history < SMG_HISTORY) {
+    s->degree = smg_highest_level(s->history + 1);
+    return;
+  }
+#else
   smg_real miss[SMG_HISTORY] = {0};
+#endif
   smg_blocks found;
   const smg_blocks *blocks = smg_blocks_of(s, &found);
   for (int64_t k = 0; k < size; k += stride)
     smg_row_misses(s, smg_slot_by_rows(&s->c, blocks, first + k) - first, miss);
+#if SMG_COMPOSED
+  smg_choose_level(s);
+#else
   s->degree = s->history > 0 ? smg_best_degree(s->history, miss) : SMG_NO_DEGREE;
+#endif
 }
 
 /* The step is taken; more: does another one begin, and add its increments to w? */
 static void smg_commit_rows(smg_state *s, int more) {
-  if (s->history < SMG_ROW_HISTORY || s->count % 16 == 0) smg_choose_row_degree(s);
+  if (s->history < SMG_ROW_HISTORY || smg_time_to_choose(s)) smg_choose_row_degree(s);
   smg_remember(s, SMG_ROW_HISTORY, &s->row_late);
   s->row_due = more;
   if (!more) smg_go_on_rows(s, 0);
@@ -95,12 +111,12 @@ static void smg_begin_rows(smg_state *s) {
 
 /* The passes of the next step that are watched: from those before midpoints have nearly settled on, so that rates are
  * known before round-off; where they had when this step was first looked at, from some earlier ones. */
-static void smg_watch_from(smg_state *s, const smg_row_sweeping *sweep) {
+static int64_t smg_watch_from(const smg_state *s, const smg_row_sweeping *sweep) {
   const int64_t last = sweep->passes - SMG_ROW_WATCHED, near = sweep->near - SMG_COLOURS,
                 seen = s->row_from + SMG_COLOURS - 1;
   int64_t from = near < last ? near : last;
   if (s->row_from > 0 && sweep->near <= seen && s->row_from - 2 < from) from = s->row_from - 2;
-  s->row_from = from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
+  return from < 0 ? 0 : from < SMG_NEWTON_STEPS ? from : SMG_NEWTON_STEPS;
 }
 
 static smg_status smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep) {
@@ -109,10 +125,10 @@ static smg_status smg_report_sweeps(smg_state *s, const smg_row_sweeping *sweep)
   return smg_end_report(s, sweep->passes < SMG_ROW_PASSES ? SMG_OK : SMG_NO_CONVERGENCE, -1);
 }
 
-/* One step, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of them follow
- * where its residual is more than round-off. */
-static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
-  const smg_turning turn = smg_turning_of(s, smg_signed_h(s->h));
+/* One step of the size h, in slots, from predicted midpoints: what sweeps leave is put into the equation, and more of
+ * them follow where its residual is more than round-off. *from: smg_watch_from. */
+static smg_status smg_solve_rows(smg_state *s, smg_besides *known, smg_real h, int more, int64_t *from) {
+  const smg_turning turn = smg_turning_of(s, h);
   smg_row_sweeping sweep;
   smg_row_wave wave;
   int solved = 0;
@@ -126,11 +142,29 @@ static smg_status smg_row_step(smg_state *s, smg_besides *known, int more) {
   }
   smg_expect_passes(s, known, &sweep);
   if (smg_report_sweeps(s, &sweep) != SMG_OK) return s->report.status;
-  smg_watch_from(s, &sweep);
+  *from = smg_watch_from(s, &sweep);
   smg_commit_rows(s, more);
-  ++s->count;
   return SMG_OK;
 }
+
+/* A step of a call; more: does another one follow? from: the pass from which those of the next one are watched. */
+struct smg_row_call {
+  smg_besides *known;
+  int more;
+  int64_t from;
+};
+
+#if SMG_COMPOSED
+static smg_status smg_compose(smg_state *s, struct smg_row_call *rows); /* smg_composition.h */
+static smg_status smg_row_step(smg_state *s, struct smg_row_call *rows) { return smg_compose(s, rows); }
+#else
+static smg_status smg_row_step(smg_state *s, struct smg_row_call *rows) {
+  smg_set_time_at(&s->c, s, (smg_real)0.5);
+  const smg_status status = smg_solve_rows(s, rows->known, smg_signed_h(s->h), rows->more, &rows->from);
+  if (status == SMG_OK) ++s->count;
+  return status;
+}
+#endif
 
 /* count steps, or fewer: the first that fails is the last, or the one before the first that does not go by rows. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
@@ -138,11 +172,15 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
   smg_begin_call(s, &known);
   s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
+#if SMG_COMPOSED
+  s->stage = 0;
+#endif
   smg_predict_rows(s);
   smg_exchange_late();
   for (; count > 0 && status == SMG_OK && smg_next_by_rows(s); --count) {
-    smg_set_time_at(&s->c, s, (smg_real)0.5);
-    status = smg_row_step(s, &known, count > 1);
+    struct smg_row_call rows = {&known, count > 1, s->row_from};
+    status = smg_row_step(s, &rows);
+    if (status == SMG_OK) s->row_from = rows.from;
   }
   if (s->row_due) smg_go_on_rows(s, 0); /* the next one goes from site to site */
   s->row_due = 0;

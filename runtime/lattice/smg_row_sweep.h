@@ -96,12 +96,14 @@ SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_r
   return smg_lane_corrected_rho(one, w, g, rho, inverse, turn.weak);
 }
 
-/* v, along the midpoints of the slots of one vector, in place of their gradient g. */
+/* v, along the midpoints of the slots of one vector, in place of their gradient g; the midpoints themselves where those
+ * are no projections. */
 SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row_way way, smg_lanes *g) {
   smg_lanes w[3], v[3];
   smg_take_slots(turn.w, turn.pitch, slot, w);
   smg_precess(turn, slot, w, g);
-  smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
+  if (SMG_ONTO_LEAF) smg_lane_along_spin(w, g, smg_rho_of(turn, slot, way, w, g), v);
+  else smg_lane_midpoint(w, g, v);
   smg_lane_copy(g, v, 3);
 }
 
@@ -111,7 +113,7 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
                                int watched, int small, int last, smg_row_motion *moved) {
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
-  smg_lane_stretch_to(smg_inverse_at(turn.inverses, slot), turn.weak, v);
+  if (SMG_ONTO_LEAF) smg_lane_stretch_to(smg_inverse_at(turn.inverses, slot), turn.weak, v);
   if (in < SMG_LANES) smg_lane_choose(v, smg_lane_below(in), v, m, 3);
   smg_put_slots(turn.m, turn.pitch, slot, v);
   if (!watched) return;
@@ -266,8 +268,9 @@ SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1;
   const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
   const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
-  const int watched = sweep->passes >= s->row_from,
-            last = watched && s->row_alone && sweep->passes + 1 >= s->row_passes && sweep->passes >= SMG_COLOURS;
+  const int watched = sweep->passes >= s->row_from, last = watched && s->row_alone &&
+                                                           sweep->passes + 1 >= SMG_OF_STAGE(s, row_passes) &&
+                                                           sweep->passes >= SMG_COLOURS;
   const smg_row_pass pass = {sweep->passes % SMG_COLOURS, way, watched, late, last};
   return pass;
 }

@@ -83,7 +83,7 @@ static int64_t smg_wave_stages(const smg_row_wave *wave) {
 /* Does the next step go so? With how many passes, and which blocks? */
 static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   const int64_t slots = smg_colour_slots(&s->c), vectors = slots / SMG_WIDEST;
-  wave->passes = s->row_fewest;
+  wave->passes = SMG_OF_STAGE(s, row_fewest);
   wave->blocks = slots / SMG_WAVE_BLOCK;
   if (wave->passes < SMG_COLOURS || wave->passes > SMG_WAVE_PASSES || wave->blocks == 0 ||
       smg_wave_all(&s->c) < SMG_WAVE_FROM)
@@ -103,7 +103,7 @@ static void smg_plan_wave(const smg_state *s, smg_row_wave *wave) {
   for (; sweep.passes < wave->passes; ++sweep.passes) {
     smg_row_pass *pass = wave->pass + sweep.passes;
     *pass = smg_next_pass(s, &sweep);
-    pass->small = pass->small || (pass->way == SMG_FROM_BEFORE && sweep.passes >= s->row_near);
+    pass->small = pass->small || (pass->way == SMG_FROM_BEFORE && sweep.passes >= SMG_OF_STAGE(s, row_near));
     pass->last = pass->watched && s->row_alone && sweep.passes + 1 == wave->passes && sweep.passes >= SMG_COLOURS;
     wave->motion[sweep.passes] = smg_at_rest();
   }
@@ -201,9 +201,10 @@ static int smg_sweep_in_wave(smg_state *s, smg_besides *known, const smg_turning
  * components may be looked at. */
 static void smg_expect_passes(smg_state *s, const smg_besides *known, const smg_row_sweeping *sweep) {
   if (s->row_reach == 0 && !SMG_SHARED_BY_RANKS) s->row_reach = smg_row_reach(&s->c, known);
-  s->row_fewest = s->row_passes < sweep->passes && s->row_passes > 0 ? s->row_passes : sweep->passes;
-  s->row_passes = sweep->passes;
-  s->row_near = sweep->near;
+  const int64_t before = SMG_OF_STAGE(s, row_passes);
+  SMG_OF_STAGE(s, row_fewest) = before < sweep->passes && before > 0 ? before : sweep->passes;
+  SMG_OF_STAGE(s, row_passes) = sweep->passes;
+  SMG_OF_STAGE(s, row_near) = sweep->near;
 }
 
 #endif

@@ -22,6 +22,10 @@ static inline int smg_time_to_choose(const smg_state *s) { return s->history < S
 #error "smg_predictor.h: a vector has more lanes than there are sums"
 #endif
 
+/* How many increments a degree takes, and the weight of the j-th. */
+static inline int smg_terms(int degree) { return degree + 1; }
+static inline smg_real smg_past_weight(const smg_state *s, int degree, int j) { return (void)s, smg_weight(degree, j); }
+
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;
   for (int j = 0; j <= degree; ++j) sum += smg_weight(degree, j) * s->past[j][k];

@@ -73,12 +73,26 @@ SMG_INLINE void smg_stage_done(smg_state *s) {
   ++s->stage;
 }
 #else
+/* How many increments a level takes, and the weight of the j-th in the stage under way. */
+static inline int smg_terms(int level) { return level < 0 ? 0 : smg_span(level); }
+static inline smg_real smg_past_weight(const smg_state *s, int level, int j) {
+  return (smg_real)smg_stage_weights[s->stage][level][j];
+}
+
 /* Component k of the increment of the stage under way. */
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int level) {
   smg_real sum = 0;
-  for (int j = 0; level >= 0 && j < smg_span(level); ++j)
-    sum += (smg_real)smg_stage_weights[s->stage][level][j] * s->past[j][k];
+  for (int j = 0; j < smg_terms(level); ++j) sum += smg_past_weight(s, level, j) * s->past[j][k];
   return sum;
+}
+
+/* miss[l] += the error, squared, that every level would have made in the newest value, row[0]. */
+static inline void smg_add_level_misses(const smg_state *s, const smg_real *row, smg_real *miss) {
+  for (int l = 0; l < SMG_LEVELS; ++l) {
+    smg_real off = row[0];
+    for (int j = 0; j < smg_span(l); ++j) off -= smg_past_weight(s, l, j) * row[j + 1];
+    miss[l] += off * off;
+  }
 }
 
 /* Which level would have served best in the stage just solved? A sample of the components decides. */

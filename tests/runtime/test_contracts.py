@@ -11,7 +11,7 @@ METHODS = f"smg_classical_midpoint smg_spherical_midpoint smg_geodesic_midpoint 
 # (what is asked for, the headers that answer it, of which a program has one, or a default and one)
 CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("what a method says of itself", f"smg_block smg_state smg_history smg_sphere_history smg_no_history smg_one_stage smg_slopes smg_explicit smg_angles {METHODS}"),
-    ("the step, and many of them", "smg_composition smg_dop853 smg_explicit_step smg_increment_step smg_gauss smg_gauss_rows smg_slopes smg_single_sphere smg_step smg_steps"),
+    ("the step, and many of them", "smg_composition smg_explicit_step smg_field_steps smg_gauss smg_gauss_rows smg_slopes smg_single_sphere smg_step smg_steps"),
     ("the history of a method", "smg_dop853 smg_explicit smg_no_history smg_gauss_site smg_gauss_step smg_history smg_slopes smg_sphere_history"),
     ("the midpoint of a method", "smg_classical_midpoint smg_spherical_midpoint"),
     ("the points and the motion of implicit stages", "smg_exponential_midpoint smg_geodesic_midpoint smg_isospectral_midpoint smg_rattle"),
@@ -19,6 +19,9 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("the stages of Gauss collocation, of sites or of slots (smg_gauss_step.h)", "smg_gauss_slots smg_gauss_stages smg_gauss_sweep smg_row_slots"),
     ("a stage of an explicit method (smg_explicit_step.h)", EXPLICIT),
     ("the increment of an explicit method (smg_increment_step.h)", "smg_dormand_prince smg_extrapolation"),
+    ("what asks for the right-hand side alone (smg_right_side.h), of sites or of slots: its vectors, and the field", "smg_right_side smg_field_rows"),
+    ("one step of such a method (smg_field_steps.h)", "smg_dop853 smg_increment_step"),
+    ("what an internal step asks of single sites, or of slots", "smg_dop853 smg_dop853_slots"),
     ("a stage by rows (smg_turn_steps.h)", "smg_pair_rows smg_sublattice_rows"),
     ("the matrix of Newton's method", "smg_matrix_band smg_matrix_dense smg_matrix_free smg_matrix_sparse smg_newton"),
     ("a matrix that is kept for the steps after, or not", "smg_matrix_dense smg_matrix_sparse smg_matrix_unkept"),
@@ -33,7 +36,7 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("states in lanes", "smg_lane_dop853 smg_lane_extrapolation smg_lane_sphere"),
     ("coefficients", f"smg_dop853_table smg_gauss_table smg_explicit_step {TABLES}")))
 # Counted when it was last lowered; `python tests/support/headers.py` counts.
-MOST_STATEMENTS = 6819
+MOST_STATEMENTS = 7008
 
 
 def unexplained(names: dict) -> dict:

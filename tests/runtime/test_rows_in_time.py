@@ -50,7 +50,7 @@ def text(spec, method=MIDPOINT, **how) -> str:
 
 
 def by_rows(spec, method=MIDPOINT) -> bool:
-    return re.search("#define SMG_(BY_ROWS|ROW_STAGES)", text(spec, method)) is not None
+    return re.search("define (SMG_BY_ROWS|SMG_ROW_STAGES|SMG_ROW_FIELDS)", text(spec, method)) is not None
 
 
 @pytest.mark.parametrize("name, method", [pytest.param(*case, marks=() if case in QUICK else pytest.mark.long) for case in CASES])

@@ -40,9 +40,9 @@ def several(formula, kernel) -> bool:
 def of_laws(model, laws) -> str | None:
     """What sites do beside precession; laws: of those that move."""
     effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
-    if model.torques and not model.method.of_midpoints:
+    if model.torques and not (model.method.of_midpoints and model.method.onto_leaf):
         return f"the torque `{model.torques[0].derived.term.name}` has no closed form"
-    if model.responses and model.method.stage_rows:
+    if model.responses and not model.method.responds_by_rows:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
     names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
     if any(isinstance(node, Time) for law in laws.values() for e in formulas(law) for node in walk(e)):

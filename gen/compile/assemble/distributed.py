@@ -15,7 +15,7 @@ class Distributed(Asked):
     templates = {"public": "distributed.h.j2", "bodies": "distributed.c.j2", "flat": "distributed_abi.c.j2"}
 
     def fits(self, model):
-        if model.in_rows is None or not model.method.of_midpoints:
+        if model.in_rows is None or not model.method.midpoint:
             raise UsageError("feature distributed: only lattices processed by rows with a midpoint method can be divided"
                              + f"; this one goes site by site, because {model.why_by_site}" * bool(model.why_by_site))
         if model.in_rows.timely:

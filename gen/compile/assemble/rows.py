@@ -80,7 +80,7 @@ def rows(model, low):
     over = one_lattice(model.lattices(f.name))
     why_not = of_lattices(model)
     why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, laws) or (None if over else "its sites have no bonds")
-    if why_not is None and not (model.method.stage_rows or turned(model) or paired(model) or midpoint_rows(model, f)):
+    if why_not is None and not (model.method.takes_fields or turned(model) or paired(model) or midpoint_rows(model, f)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
         return why_not
@@ -91,14 +91,14 @@ def rows(model, low):
 
 def rows_of(model, low, f, over, whole, laws):
     """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
-    terms, bounded, radii = [whole.get(t.prefix, t) for t in model.fields], not model.method.stage_rows, several(f.family.radius, f.radius)
+    terms, bounded, radii = [whole.get(t.prefix, t) for t in model.fields], not model.method.takes_fields, several(f.family.radius, f.radius)
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
     why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + radii + len(laws)) or of_radii(f, terms)
     if why_not:
         return why_not
-    bounds, timely = bounds_of_terms(low, terms, f.family.radius, model.method.of_midpoints) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
+    bounds, timely = bounds_of_terms(low, terms, f.family.radius, model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
@@ -169,8 +169,9 @@ def pair_rows(model, low, over):
 
 def midpoint_rows(model, f) -> bool:
     """May midpoints be swept by rows, under a bound that tells for which h sweeps converge?"""
-    swept = model.plan.rotation and model.plan.coupled == (f.name,) and model.method.onto_leaf
-    return swept and "extended" not in model.features and model.method.stages == 1
+    plan, method = model.plan, model.method
+    swept = plan.rotation if method.onto_leaf else plan.auto and plan.solver != "dense" and not method.divided
+    return swept and plan.coupled == (f.name,) and "extended" not in model.features
 
 
 def longest(model, f) -> str:
@@ -274,7 +275,7 @@ def row_settings(model) -> dict:
         return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
-    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
+    return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_ROW_FIELDS" if model.method.by_field else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
             "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
@@ -282,7 +283,7 @@ def row_settings(model) -> dict:
 def in_blocks(model) -> bool:
     """May the lattice stand in blocks? Where all bonds close around it, and sites turn alone."""
     closed = all(closes for over in model.lattices(model.families[0].name) for closes in over.periodic)
-    return closed and not model.pairs and not model.method.stage_rows
+    return closed and not model.pairs and not model.method.takes_fields
 
 
 # The gradient of some slots

@@ -7,6 +7,9 @@ from ...resources import runtime_numbers
 from .part import MOST_LANES
 
 
+COMPOSED = 8        # increments that a composition keeps, as `composed` of gen/methods.py says
+
+
 class Slots:
     """As runtime/lattice/smg_rows.h has them; found: a lattice, value: the number that a size is."""
 
@@ -22,10 +25,10 @@ class Slots:
         """smg_pitch."""
         return self.colours * self.colour + self.ends
 
-    def arrays(self, of_midpoints: bool) -> int:
-        """Those of smg_row_layout."""
-        history = 5 if self.colours == 2 else 4
-        of_sweeps = 3 * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour)
+    def arrays(self, of_midpoints: bool, stages: int | None = None) -> int:
+        """Those of smg_row_layout; stages: of a composition."""
+        history = COMPOSED + min(stages, COMPOSED) if stages else 5 if self.colours == 2 else 4
+        of_sweeps = 3 * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour) + (6 * self.pitch + MOST_LANES if stages else 0)
         return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
 
     def beyond(self) -> int:

@@ -39,7 +39,7 @@ def with_layout(plan: Plan, method: Method, offered, why_by_site: str = "") -> P
 
 def by_threads(plan: Plan, method: Method) -> bool:
     """May several threads share a step?"""
-    return plan.layout == "rows" and not method.stage_rows and method.splitting != "pairs"
+    return plan.layout == "rows" and not method.takes_fields and method.splitting != "pairs"
 
 
 def by_ranks(plan: Plan, method: Method) -> bool:

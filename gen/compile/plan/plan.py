@@ -34,7 +34,7 @@ class Plan:
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
     lanes: fixed-point iteration in lanes is tried before dense Newton or sweeps, where the terms allow it;
-    coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py.
+    auto: was the solver left to the plan? coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py.
     """
     method: str
     local: tuple
@@ -47,6 +47,7 @@ class Plan:
     rotation: bool = False
     tried: int = 0
     lanes: bool = False
+    auto: bool = False
     coupling: str = "few sites"
     layout: str = "sites"
 
@@ -136,7 +137,7 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
     if solver in ("rotation", "plain"):
         require(contributions, ASKS[solver], f"solver {solver}")
         return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
-    return coupled_plan(spec, METHODS[method], solver, local, coupled, contributions)
+    return replace(coupled_plan(spec, METHODS[method], solver, local, coupled, contributions), auto=solver == "auto")
 
 
 def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contributions) -> Plan:

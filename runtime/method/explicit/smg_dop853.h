@@ -45,7 +45,7 @@
  * step began and its size (0: there is none to interpolate); are k_13 .. k_16 there? Sizes are parts of h. */
 enum { SMG_NATURAL, SMG_LAST_FROM, SMG_LAST_SIZE, SMG_EXTRA_READY, SMG_KEPT };
 
-static inline smg_real *smg_kept(const smg_state *s) { return s->stages + SMG_STAGE_VECTORS * (3 * smg_sites(&s->c)); }
+static inline smg_real *smg_kept(const smg_state *s);
 
 /* ---- the history: one number, the natural size
  * --------------------------------------------------------------------------- */
@@ -64,6 +64,8 @@ static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = 
 
 #include "smg_dop853_trial.h"
 
+static inline smg_real *smg_kept(const smg_state *s) { return smg_vector(s, SMG_STAGE_VECTORS); }
+
 /* ---- one internal step
  * --------------------------------------------------------------------------------------------------- */
 #include "smg_dop853_template.h"
@@ -71,12 +73,9 @@ static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = 
 /* k_1 of the internal step that is tried; where it is no number, the report has the site. */
 static inline int smg_first_stage(smg_state *s, const smg_pace *pace) {
   smg_trial_slope(s, pace->done, pace->size, smg_vector(s, SMG_Y), smg_vector(s, 0));
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    if (smg_largest(smg_vector(s, 0) + 3 * k) <= SMG_MAX) continue;
-    s->report.site = k;
-    return 0;
-  }
-  return 1;
+  const int64_t lost = smg_lost_in(s, smg_vector(s, 0));
+  if (lost >= 0) s->report.site = lost;
+  return lost < 0;
 }
 
 /* The very first size, where k_1 alone would move w by the eighth root of the tolerance; the control soon finds a
@@ -86,22 +85,6 @@ static inline smg_real smg_first_size(smg_state *s) {
   const smg_real most = smg_most(smg_vector(s, 0), smg_width(s)),
                  may = SMG_MATH(sqrt)(SMG_MATH(sqrt)(SMG_MATH(sqrt)(s->tolerance))) * s->scale;
   return most > may ? may / most : 1;
-}
-
-/* The increment, and the square of its error: the largest of all sites, and the report has the site. */
-static inline void smg_estimate(smg_state *s, smg_pace *pace) {
-  const smg_real *y = smg_vector(s, SMG_Y), *u = s->u;
-  const int64_t n = smg_width(s);
-  smg_real most = 0, *e5 = smg_vector(s, SMG_E5), *e3 = smg_vector(s, SMG_E3);
-  /* where k_2 and k_3 were, which are in none of them */
-  smg_combine_slopes(s->stages, n, pace->per_allowed, s->u, e5, e3);
-  for (int64_t q = 0; q < n && most == most; q += 3) {
-    const smg_real error = smg_site_error(y + q, u + q, e5 + q, e3 + q);
-    if (error <= most) continue;
-    most = error; /* NaN comes in and stays */
-    s->report.site = q / 3;
-  }
-  pace->square = most;
 }
 
 #if SMG_PROJECT
@@ -123,7 +106,41 @@ static inline void smg_back_on_leaf(const smg_state *s, int64_t k, smg_real *y, 
     off = smg_towards_leaf(off, leaf, n, y, carry);
   }
 }
+
+#if !SMG_ROW_FIELDS
+/* Those of all sites that move. */
+static inline void smg_back_on_leaves(smg_state *s) {
+  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
+    if (smg_moves(&s->c, k) > 0)
+      smg_back_on_leaf(s, k, smg_vector(s, SMG_Y) + 3 * k, smg_vector(s, SMG_Y_COMPENSATION) + 3 * k);
+}
 #endif
+#endif
+
+/* The square of the error of the increment: the largest of all sites, and the report has the site. */
+#if SMG_ROW_FIELDS
+#include "smg_dop853_slots.h"
+#else
+static inline smg_real smg_largest_error(smg_state *s) {
+  const smg_real *y = smg_vector(s, SMG_Y), *u = s->u, *e5 = smg_vector(s, SMG_E5), *e3 = smg_vector(s, SMG_E3);
+  const int64_t n = smg_width(s);
+  smg_real most = 0;
+  for (int64_t q = 0; q < n && most == most; q += 3) {
+    const smg_real error = smg_site_error(y + q, u + q, e5 + q, e3 + q);
+    if (error <= most) continue;
+    most = error; /* NaN comes in and stays */
+    s->report.site = q / 3;
+  }
+  return most;
+}
+#endif
+
+/* The increment, and its error, of which both parts stand where k_2 and k_3 were, which are in none of them. */
+static inline void smg_estimate(smg_state *s, smg_pace *pace) {
+  smg_combine_slopes(smg_vector(s, 0), smg_width(s), pace->per_allowed, s->u, smg_vector(s, SMG_E5),
+                     smg_vector(s, SMG_E3));
+  pace->square = smg_largest_error(s);
+}
 
 /* The increment u is taken, and y is back on the leaves. */
 static inline void smg_take_step(smg_state *s) {
@@ -131,8 +148,7 @@ static inline void smg_take_step(smg_state *s) {
   smg_copy(before, y, smg_width(s));
   smg_take_increment(s, 1);
 #if SMG_PROJECT
-  for (int64_t k = 0; k < smg_sites(&s->c); ++k)
-    if (smg_moves(&s->c, k) > 0) smg_back_on_leaf(s, k, y + 3 * k, smg_vector(s, SMG_Y_COMPENSATION) + 3 * k);
+  smg_back_on_leaves(s);
 #endif
 }
 
@@ -156,6 +172,9 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
     smg_estimate(s, pace);
     if (smg_judge(pace)) smg_take_step(s);
     if (!smg_gives_up(pace) || pace->done >= 1) continue;
+#if SMG_ROW_FIELDS
+    s->report.site = smg_site_of_error(s, pace->square);
+#endif
     return pace->hopeless && !(pace->square <= SMG_MAX) ? SMG_NOT_FINITE : SMG_NO_CONVERGENCE;
   }
   return SMG_OK;
@@ -163,8 +182,8 @@ static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
 
 /* The state after the step. */
 static void smg_commit_steps(smg_state *s, const smg_pace *pace) {
-  smg_copy(s->w, smg_vector(s, SMG_Y), smg_width(s));
-  smg_copy(s->compensation, smg_vector(s, SMG_Y_COMPENSATION), smg_width(s));
+  smg_copy(smg_spins(s), smg_vector(s, SMG_Y), smg_width(s));
+  smg_copy(smg_spins_lost(s), smg_vector(s, SMG_Y_COMPENSATION), smg_width(s));
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) /* open leaves: orbits grow */
     if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k));
   smg_kept(s)[SMG_NATURAL] = pace->natural;
@@ -180,10 +199,10 @@ static inline void smg_report_pace(smg_state *s, int accepted, smg_real largest)
   s->report.reached = 0;
 }
 
-static smg_status smg_step(smg_state *s) {
+static smg_status smg_one_step(smg_state *s) {
   smg_pace pace;
-  smg_copy(smg_vector(s, SMG_Y), s->w, smg_width(s));
-  smg_copy(smg_vector(s, SMG_Y_COMPENSATION), s->compensation, smg_width(s));
+  smg_copy(smg_vector(s, SMG_Y), smg_spins(s), smg_width(s));
+  smg_copy(smg_vector(s, SMG_Y_COMPENSATION), smg_spins_lost(s), smg_width(s));
   smg_kept(s)[SMG_LAST_SIZE] = smg_kept(s)[SMG_EXTRA_READY] = 0;
   s->report.site = -1;
   smg_begin_pace(s, &pace);
@@ -197,8 +216,9 @@ static smg_status smg_step(smg_state *s) {
   return s->report.status;
 }
 
-#include "smg_steps.h"
+#include "smg_field_steps.h"
 
+#if !SMG_ROW_FIELDS
 /* ---- dense output
  * -------------------------------------------------------------------------------------------------------- */
 /* The part of h that the last internal step took; 0 before a step, after a failed one and after a restart. */
@@ -246,5 +266,6 @@ static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
     w[q] = y[q] + (end * (s->w[q] - y[q]) + rest);
   }
 }
+#endif
 
 #endif

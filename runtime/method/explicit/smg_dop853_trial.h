@@ -7,12 +7,12 @@
 
 typedef smg_state smg_trial;
 
-static inline smg_real *smg_vector(const smg_state *s, int i) { return s->stages + i * (3 * smg_sites(&s->c)); }
-SMG_INLINE int64_t smg_width(const smg_state *s) { return 3 * smg_sites(&s->c); }
+static inline smg_real *smg_vector(const smg_state *s, int i) { return smg_vector_of(s, s->stages, i); }
+SMG_INLINE int64_t smg_width(const smg_state *s) { return smg_numbers(s); }
 
 SMG_INLINE void smg_trial_slope(smg_state *s, smg_real part, smg_real size, const smg_real *w, smg_real *k) {
   smg_set_time_at(&s->c, s, part);
-  smg_right_side(&s->c, size, w, k);
+  smg_slopes_at(s, size, w, k);
 }
 
 #endif

@@ -23,9 +23,9 @@
 
 static inline void smg_solve_increment(smg_state *s) {
   const int64_t n = smg_width(s);
-  smg_trial_slope(s, 0, 1, s->w, smg_vector(s, 0));
-  smg_later_stages(s, 0, 1, s->w);
-  for (int64_t q = 0; q < n; ++q) s->u[q] = smg_weighted(smg_dop853_b, SMG_STAGES_USED, s->stages + q, n);
+  smg_trial_slope(s, 0, 1, smg_spins(s), smg_vector(s, 0));
+  smg_later_stages(s, 0, 1, smg_spins(s));
+  for (int64_t q = 0; q < n; ++q) s->u[q] = smg_weighted(smg_dop853_b, SMG_STAGES_USED, smg_vector(s, 0) + q, n);
 }
 
 #include "smg_increment_step.h"

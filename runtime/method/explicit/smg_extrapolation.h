@@ -51,23 +51,21 @@ static inline void smg_solve_increment(smg_state *s) {
 /* s->tableau: five vectors of 3 numbers a site. D_m stands in SMG_D or, of odd m, in SMG_D_ODD. */
 enum { SMG_FIRST, SMG_SLOPE, SMG_POINT, SMG_D, SMG_D_ODD };
 
-static inline smg_real *smg_tableau_vector(const smg_state *s, int i) {
-  return s->tableau + i * (3 * smg_sites(&s->c));
-}
+static inline smg_real *smg_tableau_vector(const smg_state *s, int i) { return smg_vector_of(s, s->tableau, i); }
 
 /* D_(m+1), where D_(m-1) is. */
 static void smg_tableau_step(smg_state *s, int j, int m, smg_real *D, const smg_real *newer) {
-  const int64_t n = 3 * smg_sites(&s->c);
+  const int64_t n = smg_numbers(s);
   smg_real *point = smg_tableau_vector(s, SMG_POINT), *k = smg_tableau_vector(s, SMG_SLOPE);
-  smg_waxpy(point, (smg_real)1 / (smg_real)j, newer, s->w, n);
+  smg_waxpy(point, (smg_real)1 / (smg_real)j, newer, smg_spins(s), n);
   smg_set_time_at(&s->c, s, smg_tableau_part(j, m));
-  smg_right_side(&s->c, 1, point, k);
+  smg_slopes_at(s, 1, point, k);
   smg_axpy(D, 1, k, n);
 }
 
 /* u += W_j/j D_n, times smg_tableau_unit. */
 static void smg_add_tableau_row(smg_state *s, int j) {
-  const int64_t n = 3 * smg_sites(&s->c);
+  const int64_t n = smg_numbers(s);
   smg_real *even = smg_tableau_vector(s, SMG_D), *odd = smg_tableau_vector(s, SMG_D_ODD);
   smg_zero(even, n);
   smg_multiple(odd, (smg_real)0.5, smg_tableau_vector(s, SMG_FIRST), n);
@@ -77,10 +75,10 @@ static void smg_add_tableau_row(smg_state *s, int j) {
 
 static inline void smg_solve_increment(smg_state *s) {
   smg_set_time_at(&s->c, s, 0);
-  smg_right_side(&s->c, 1, s->w, smg_tableau_vector(s, SMG_FIRST));
-  smg_zero(s->u, 3 * smg_sites(&s->c));
+  smg_slopes_at(s, 1, smg_spins(s), smg_tableau_vector(s, SMG_FIRST));
+  smg_zero(s->u, smg_numbers(s));
   for (int j = 1; j <= SMG_TABLEAU_ROWS; ++j) smg_add_tableau_row(s, j);
-  smg_divide(s->u, smg_tableau_unit, 3 * smg_sites(&s->c));
+  smg_divide(s->u, smg_tableau_unit, smg_numbers(s));
 }
 #endif
 

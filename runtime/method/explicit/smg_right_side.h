@@ -28,4 +28,26 @@ static inline void smg_right_side(const smg_coefficients *c, smg_real size, cons
 }
 #endif
 
+/* The vectors of such a method: by slots of a lattice, or of 3 numbers a site. */
+#if SMG_ROW_FIELDS
+#include "smg_field_rows.h"
+#else
+SMG_INLINE int64_t smg_numbers(const smg_state *s) { return 3 * smg_sites(&s->c); }
+SMG_INLINE smg_real *smg_vector_of(const smg_state *s, smg_real *array, int64_t i) {
+  return array + i * smg_numbers(s);
+}
+SMG_INLINE smg_real *smg_spins(const smg_state *s) { return s->w; }
+SMG_INLINE smg_real *smg_spins_lost(const smg_state *s) { return s->compensation; }
+SMG_INLINE void smg_slopes_at(smg_state *s, smg_real size, const smg_real *w, smg_real *k) {
+  smg_right_side(&s->c, size, w, k);
+}
+
+/* The first site with numbers of a vector that are none, or -1. */
+static inline int64_t smg_lost_in(const smg_state *s, const smg_real *v) {
+  for (int64_t q = 0; q < smg_numbers(s); ++q)
+    if (!(smg_abs(v[q]) <= SMG_MAX)) return q / 3;
+  return -1;
+}
+#endif
+
 #endif

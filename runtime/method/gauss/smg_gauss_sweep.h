@@ -226,7 +226,8 @@ SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t 
   smg_lanes w[3];
   (void)s;
   smg_take_slots(a->w, a->pitch, slot, w);
-  smg_lane_add_step(3, w, a->w + SMG_SLOT_LOST * a->pitch + slot, a->pitch, u);
+  smg_real *lost = a->w + SMG_SLOT_LOST * a->pitch + slot;
+  smg_lane_add_step(3, w, lost, lost, a->pitch, u);
   smg_put_slots(a->w, a->pitch, slot, w);
   smg_lift(w, a->radius, z);
   smg_put_four(a->z, a->pitch, slot, z);

@@ -20,6 +20,10 @@
 #include "smg_step.h"
 #endif
 
+#if !SMG_BY_ROWS
+struct smg_row_call; /* there is none */
+#endif
+
 #if SMG_EXTENDED
 #error "smg_composition.h: no SMG_EXTENDED"
 #endif
@@ -32,7 +36,8 @@ typedef struct smg_before {
 } smg_before;
 
 /* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
-static inline void smg_hold(smg_state *s, smg_before *b) {
+static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
+  (void)rows;
   if (s->row < SMG_COMPOSED) {
     smg_copy(s->rows + 4 * (SMG_ROWS - SMG_HISTORY), s->rows + 4 * s->row, 4 * SMG_HISTORY);
     s->row = SMG_ROWS - SMG_HISTORY;
@@ -44,7 +49,8 @@ static inline void smg_hold(smg_state *s, smg_before *b) {
   b->history = s->history;
 }
 
-static inline void smg_give_back(smg_state *s, const smg_before *b) {
+static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
+  (void)rows;
   smg_vec_store(s->w, b->w);
   smg_vec_store(s->compensation, b->compensation);
   s->row = b->row;
@@ -70,7 +76,8 @@ SMG_COLD static void smg_prepare_stages(smg_state *s) {
   s->prepared[1] = (smg_real)s->h;
 }
 
-static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, struct smg_row_call *rows) {
+  (void)rows;
   s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
   smg_set_time_at(&s->c, s, middle);
   return smg_sphere_step(s);
@@ -79,54 +86,85 @@ static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle)
 /* The state itself: a step changes no array of the increments before it (smg_stage_done). */
 typedef smg_state smg_before;
 
-static inline void smg_hold(smg_state *s, smg_before *b) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
+static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
+  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c); /* by rows the second stage begins in other arrays */
   smg_copy(s->before, s->w, n3);
   smg_copy(s->before + n3, s->compensation, n3);
   *b = *s;
 }
 
-static inline void smg_give_back(smg_state *s, const smg_before *b) {
-  const int64_t n3 = 3 * smg_sites(&s->c);
+static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
+  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
   const smg_report report = s->report;
   *s = *b;
   s->report = report;
+#if SMG_BY_ROWS
+  s->row_due = 0; /* the first stage has added what the step before had left */
+#endif
   smg_copy(s->w, s->before, n3);
   smg_copy(s->compensation, s->before + n3, n3);
 }
 
 /* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure
  * later in this step would need: it is kept, and a spare one takes its place. */
-static inline void smg_stage_done(smg_state *s) {
+static inline void smg_stage_done(smg_state *s, smg_real **u) {
 #if SMG_STAGES_KEPT
   const int64_t n3 = 3 * smg_sites(&s->c);
   smg_copy(s->increments + n3 * s->stage, s->past[0], n3);
 #endif
   if (s->stage < SMG_HISTORY) {
-    smg_real *oldest = s->u;
-    s->u = s->spare[s->stage];
+    smg_real *oldest = *u;
+    *u = s->spare[s->stage];
     s->spare[s->stage] = oldest;
   }
   ++s->stage;
 }
 
-static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle) {
+#if SMG_BY_ROWS
+static inline void smg_exchange(smg_real **a, smg_real **b) {
+  smg_real *const kept = *a;
+  *a = *b;
+  *b = kept;
+}
+
+/* One stage by rows. The second adds the increments of the first to w of the start, which is kept, in other arrays. The
+ * first pass that is watched is that of the stage with the fewest. */
+static inline smg_status smg_solve_row_stage(smg_state *s, smg_real h, struct smg_row_call *rows) {
+  int64_t from;
+  if (s->stage == 1) {
+    smg_exchange(&s->row_w, &s->row_w_before);
+    smg_exchange(&s->row_compensation, &s->row_compensation_before);
+  }
+  const smg_status status = smg_solve_rows(s, rows->known, h, rows->more || s->stage + 1 < SMG_COMPOSED, &from);
+  if (status != SMG_OK) return status;
+  rows->from = s->stage == 0 || from < rows->from ? from : rows->from;
+  smg_stage_done(s, &s->row_late);
+  return SMG_OK;
+}
+#endif
+
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, struct smg_row_call *rows) {
+  const smg_real h = smg_gamma[s->stage] * smg_signed_h(s->h);
   smg_set_time_at(&s->c, s, middle);
-  const smg_status status = smg_advance(s, smg_gamma[s->stage] * smg_signed_h(s->h));
-  if (status == SMG_OK) smg_stage_done(s);
+#if SMG_BY_ROWS
+  if (rows) return smg_solve_row_stage(s, h, rows);
+#endif
+  (void)rows;
+  const smg_status status = smg_advance(s, h);
+  if (status == SMG_OK) smg_stage_done(s, &s->u);
   return status;
 }
 #endif
 
 /* All stages, or those up to one that fails; s->stage counts them. */
-static inline smg_status smg_solve_all_stages(smg_state *s) {
+static inline smg_status smg_solve_all_stages(smg_state *s, struct smg_row_call *rows) {
   smg_status status = SMG_OK;
   smg_real done = 0, residual = 0;
   int iterations = 0;
   for (int l = 0; l <= SMG_LEVELS; ++l) s->misses[l] = 0;
   for (s->stage = 0; s->stage < SMG_COMPOSED && status == SMG_OK;) {
     const smg_real gamma = smg_gamma[s->stage];
-    status = smg_solve_composed_stage(s, done + 0.5 * gamma);
+    status = smg_solve_composed_stage(s, done + 0.5 * gamma, rows);
     done += gamma;
     iterations += s->report.iterations;
     residual = smg_max(residual, s->report.residual);
@@ -138,19 +176,27 @@ static inline smg_status smg_solve_all_stages(smg_state *s) {
   return status;
 }
 
-static smg_status smg_step(smg_state *s) {
+/* A step from site to site, or by rows. */
+static smg_status smg_compose(smg_state *s, struct smg_row_call *rows) {
   smg_before before;
 #if SMG_SINGLE_SPHERE
   if (!(s->prepared[0] == 1 && s->prepared[1] == (smg_real)s->h)) smg_prepare_stages(s);
 #endif
-  smg_hold(s, &before);
-  const smg_status status = smg_solve_all_stages(s);
+  smg_hold(s, &before, rows);
+  const smg_status status = smg_solve_all_stages(s, rows);
   if (status == SMG_OK) ++s->count;
   else {
-    smg_give_back(s, &before);
+    smg_give_back(s, &before, rows);
     s->stage = 0;
   }
   return status;
+}
+
+static smg_status smg_step(smg_state *s) {
+#if SMG_BY_ROWS
+  if (s->rows) return smg_row_steps(s, 1);
+#endif
+  return smg_compose(s, NULL);
 }
 
 #include "smg_steps.h"
