@@ -74,7 +74,9 @@ static inline smg_real smg_radius(const smg_coefficients *c, int64_t k) { return
 #if !SMG_OWN_NORMAL
 static inline void smg_normal(const smg_coefficients *c, int64_t k, const smg_real *v, smg_real *n) {
   (void)c, (void)k;
-  smg_copy(n, v, 3);
+  n[0] = v[0];
+  n[1] = v[1];
+  n[2] = v[2];
 }
 #endif
 
