@@ -60,8 +60,7 @@
  *              smg_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in
  *                                                 lanes
  *              smg_beside_norm(c, sub, n)         a bound on the norm of the Hessian's block with the n-th of them,
- *                                            with
- *                                                 the site itself for n = -1, where SMG_BESIDE_NORMS says so
+ *                                                 with the site itself for n = -1, where SMG_BESIDE_NORMS says so
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k at w = 0, at all times
  *              smg_row_hessian_norm(c, k)         as smg_hessian_row_norm at all times, where SMG_ROW_HESSIAN says so
  *              smg_site_value(c, n, k)            the n-th of SMG_SITE_VALUES numbers that differ from site to site
