@@ -1,6 +1,6 @@
 /* smidgen runtime: the bound of smg_row_beyond.h in the norm that fits the sites. All spins at once are a contraction
- * by the matrix of t_i B_ij, t_i = |h/2kappa| r/s_i and B_ij the norms of the Hessian's blocks, and with weights d > 0 its
- * spectral radius is at most
+ * by the matrix of t_i B_ij, t_i = |h/2kappa| r/s_i and B_ij the norms of the Hessian's blocks, and with weights d > 0
+ * its spectral radius is at most
  *
  *     max_i (1/d_i) sum_j t_i B_ij d_j
  *
