@@ -1,0 +1,20 @@
+"""Steps of lattices by rows around the end of their branch (tests/fuzz/folds.py): none beyond it is accepted, none before it is refused."""
+import pytest
+from fuzz.folds import run
+from support.runtime_faults import Fault, plant
+
+pytestmark = pytest.mark.long
+REFUSED = Fault("", "smg_step.h", "  s->report.status = smg_solve_step(s, h);", "  s->report.status = smg_solve_step(s, h);\n  if (s->report.status == SMG_NO_SOLUTION) s->report.status = SMG_OK;", ())
+
+
+@pytest.mark.parametrize("name", ["odd_ring", "open_chain", "square", "cubic"])
+def test_steps_exist_up_to_the_end_of_their_branch(name, tmp_path):
+    numbers, violations = run(name, tmp_path, 1, 0, 24)
+    assert not violations and numbers["before"] > 40 and numbers["beyond"] > 0
+
+
+def test_a_step_beyond_the_end_is_seen(monkeypatch, tmp_path):
+    plant(monkeypatch, tmp_path, REFUSED)
+    (tmp_path / "program").mkdir()
+    numbers, violations = run("odd_ring", tmp_path / "program", 1, 0, 24)
+    assert numbers["accepted"] > 0 and any("accepted" in line for line in violations)
