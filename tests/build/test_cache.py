@@ -95,7 +95,7 @@ def test_the_witness_is_watched_too(monkeypatch):
 def test_a_cache_that_others_may_write_is_refused(place, mode):
     place.mkdir()
     place.chmod(mode)
-    with pytest.raises(smidgen.BuildError, match=f"can be written by others .mode {mode:o}.*remove it.*SMIDGEN_CACHE"):
+    with pytest.raises(smidgen.BuildError, match=f"can be written by others .mode {mode:o}.*delete it.*SMIDGEN_CACHE"):
         made()
     assert list(place.iterdir()) == []
 
