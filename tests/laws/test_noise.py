@@ -329,7 +329,7 @@ def test_what_does_not_go_with_noise_is_refused():
 def test_reports_say_what_is_given_up():
     spec = spec_of(PAIRS, 4, more='[runs.demo]\nstart = "a"\nh = 0.05\nsteps = 200\n')
     words = " ".join(smidgen.explain(spec).words())
-    assert "Thermal noise turns the sites of w" in words and "exp(-H/kT) is stationary" in words and "energy decreases" not in words
+    assert "Thermal noise rotates the vectors of w" in words and "exp(-H/kT) is stationary" in words and "energy decreases" not in words
     assert smidgen.explain(spec).as_dict()["heated"] == ["w"] and "Thermal" not in " ".join(smidgen.explain(spec.calm).words())
     found = smidgen.run(spec)
     assert set(found.summary["errors"]) == {"casimirs"} and found.summary["halved"] == 0

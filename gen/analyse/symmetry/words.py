@@ -63,7 +63,7 @@ def _damping(r):
                f"neither energy nor momentum is conserved.{falls}")
     if r.heated:
         when = "within" if METHODS[r.method].noise_within else "before and after"
-        yield (f"Thermal noise turns the sites of {' and '.join(r.heated)} {when} each step; their lengths are unchanged. "
+        yield (f"Thermal noise rotates the vectors of {' and '.join(r.heated)} {when} each step; their lengths are unchanged. "
                f"{_stationary(r)} A trajectory is determined by its seed and h.")
 
 
@@ -79,7 +79,7 @@ def _torques(r):
     """What torques give up, and what holds."""
     if r.pushed:
         symmetric = f" A step of -h is still the inverse of a step of h{' with the noise left out' * bool(r.heated)}." if METHODS[r.method].symmetric else ""
-        yield (f"Torques move the sites of {' and '.join(r.pushed)}, a motion that derives from no energy: steps are not symplectic, and neither energy nor momentum is "
+        yield (f"Torques move the sites of {' and '.join(r.pushed)}, and do not derive from an energy: steps are not symplectic, and neither energy nor momentum is "
                f"conserved; torques may add energy as well as remove it. They are tangent, so lengths are preserved.{symmetric}")
 
 

@@ -22,7 +22,7 @@ LAYOUTS = ("members", "rows", "few", "single", "sites")     # the first that is 
 MIDPOINT_ROWS = "by rows in lanes if h is so small that sweeps must converge"
 TURN_ROWS = "sites of a row in lanes if the periodic directions fit the colours"
 STAGE_ROWS = "sites of a row in lanes"
-ALL_PAIRS = "all pairs: fixed-point iteration in lanes while it settles soon"
+ALL_PAIRS = "all pairs: fixed-point iteration in lanes while it converges fast"
 FEW = "few sites: fixed-point iteration in lanes while it converges fast, otherwise dense Newton"
 
 
