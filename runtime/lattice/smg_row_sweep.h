@@ -290,7 +290,8 @@ SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const
   if (sweep->passes < SMG_COLOURS) return; /* the first colours moved from nowhere */
   const int still = smg_still(smg_recent(sweep->recent, next), s->scale);
   smg_rest_take(&sweep->whole, smg_recent(sweep->recent, next), still);
-  smg_rest_take(&sweep->part, smg_recent(sweep->parts, next), still);
+  const smg_real part_moved = smg_recent(sweep->parts, next); /* sweeps beyond the bound may be slow: by its own size */
+  smg_rest_take(&sweep->part, part_moved, s->rows ? still : part_moved <= SMG_SWEEP_ULPS * SMG_EPS);
   if (sweep->passes < sweep->near && sweep->whole.now <= SMG_NEAR_LOOK * SMG_LOOK * s->scale)
     sweep->near = sweep->passes;
 }
