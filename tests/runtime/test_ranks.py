@@ -97,9 +97,9 @@ def mpirun(count, *words, cwd, limit=LIMIT, **environment):
     return subprocess.run(["mpirun", "-n", str(count), *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=limit, env={**os.environ, **MPI, **environment})
 
 
-def programs(where, spec, *more, right="", wrong=""):
+def programs(where, spec, *more, right="", wrong="", method="spherical-midpoint"):
     """serial and shared in `where`, with a start; with one line wrong."""
-    for file, text in generate(spec, amalgamate=bool(right)).items():
+    for file, text in generate(spec, method=method, amalgamate=bool(right)).items():
         assert right in text or not file.endswith(f"{spec.name}.c")
         (where / file).write_text(text.replace(right, wrong) if right else text)
     (where / "main.c").write_text(MAIN.format(M=spec.name))
@@ -144,6 +144,14 @@ def test_ranks_have_the_same_bits(tmp_path, name):
     """Each rank has the whole state, with what rounding cut off and the history; restored, it goes on."""
     programs(tmp_path, SPECS[name], *SMALL)
     check_bits(tmp_path, C_CASES[name])
+
+
+@needs_mpi
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["spherical-midpoint-4", "classical-midpoint"])
+def test_other_midpoints_have_the_same_bits(tmp_path, method):
+    programs(tmp_path, LONG["long cubic"], *SMALL, method=method)
+    check_bits(tmp_path, (2, 4))
 
 
 @needs_mpi
