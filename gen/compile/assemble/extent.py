@@ -82,9 +82,7 @@ def remainder(low, e, ends):
 
 def plain(e):
     """The operations of `written` as those of sympy."""
-    for kind, same in ((plus, operator.add), (minus, operator.sub), (written_times, operator.mul), (over, operator.truediv), (negative, operator.neg)):
-        e = e.replace(kind, same)
-    return e
+    return PLAIN.get(e.func, e.func)(*map(plain, e.args)) if e.args else e
 
 
 def cancelled(without, e):
@@ -240,6 +238,7 @@ def either(e, parts) -> tuple:
     return least(a, c) if known(a, c) else None, largest(b, d) if known(b, d) else None
 
 
+PLAIN = {plus: operator.add, minus: operator.sub, written_times: operator.mul, over: operator.truediv, negative: operator.neg}
 RULES = ((sp.Add, total), (sp.Mul, product), (sp.exp, rising(sp.exp, sp.S.Zero)), (sp.Pow, raised), ((sp.sin, sp.cos), between(-1, 1)),
          (sp.tanh, rising(sp.tanh, sp.S.NegativeOne, sp.S.One)), (sp.atan, rising(sp.atan, -HALF_TURN, HALF_TURN)), (sp.asin, between(-HALF_TURN, HALF_TURN)),
          (sp.acos, between(0, sp.pi)), (sp.atan2, between(-sp.pi, sp.pi)), (sp.sinh, rising(sp.sinh)), (sp.log, logarithm), (sp.cosh, even_growing),
