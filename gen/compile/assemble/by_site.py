@@ -84,4 +84,4 @@ def of_absent(t) -> str | None:
 
 def of_numbers(found: int) -> str | None:
     """The numbers that differ from site to site."""
-    return f"{found} numbers differ from site to site; the limit is {MOST}" if found > MOST else None
+    return f"{found} numbers differ from site to site (at most {MOST} are possible)" if found > MOST else None

@@ -12,12 +12,13 @@ from .asked import Asked
 class Distributed(Asked):
     """Every rank of MPI stores its part of the lattice alone."""
     name = "distributed"
+    divides = True
     templates = {"public": "distributed.h.j2", "bodies": "distributed.c.j2", "flat": "distributed_abi.c.j2"}
 
     def fits(self, model):
         if model.in_rows is None or not model.method.midpoint:
             raise UsageError("feature distributed: only lattices processed by rows with a midpoint method can be divided"
-                             + f"; this one goes site by site, because {model.why_by_site}" * bool(model.why_by_site))
+                             + f". This one goes site by site, because {model.why_by_site}" * bool(model.why_by_site))
         if model.in_rows.timely:
             raise UsageError("feature distributed: the bounds of this model grow with time, so that not every step is processed by rows")
         for term in (*model.spec.energies, *model.spec.observables):

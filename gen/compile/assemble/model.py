@@ -175,10 +175,6 @@ class Model:
         """Does the leaf of a coupled site move with w?"""
         return self.method.onto_leaf and any(f.kind != "sphere" for f in self.coupled)
 
-    def swept_by_site(self) -> bool:
-        """Do sweeps go from site to site, and not by rows?"""
-        return self.plan.rotation and not (self.in_rows and self.method.of_midpoints)
-
     def unit_radius(self) -> bool:
         """Are all spheres of radius 1?"""
         return all(f.unit for f in self.families if f.kind == "sphere")

@@ -32,6 +32,7 @@ class Part:
     layout = ""     # that a model may have with it, of gen/compile/plan/layout.py
     templates: dict = {}    # what it adds to the shell of a model: "structs" (before the state), "between" (functions between steps), "public" (others) of
     #                         the header, "bodies" of their bodies, "flat" of the functions for ctypes -> the file of templates/
+    divides = False         # sums of all sites among ranks
     types: tuple = ()       # of the header, which runtime headers call smg_<word>
 
     def made(self, model, low):

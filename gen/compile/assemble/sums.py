@@ -76,13 +76,18 @@ def held(body, name: str, kind: str) -> tuple:
 
 # The contract: one site
 
+def swept_by_site(model) -> bool:
+    """Do sweeps go from site to site, and not by rows?"""
+    return model.plan.rotation and not (model.in_rows and model.method.of_midpoints)
+
+
 def site_sums(model) -> list:
     """Gradient, Hessian and the pull of the neighbours of one site."""
     tangent = "tangent" in model.features and (model.plan.local or model.lifts())
     newton = any(not model.closed_form(f) for f in model.alone)
     found, lifted = [], tangent and model.lifts()
-    if model.plan.local or model.swept_by_site():
-        found.append(of_site(model, "smg_gather", (G,), gradient_calls, model.swept_by_site()))
+    if model.plan.local or swept_by_site(model):
+        found.append(of_site(model, "smg_gather", (G,), gradient_calls, swept_by_site(model)))
     if newton or tangent:
         found.append(of_site(model, "smg_site_hessian_vector", (V, Y), own_hessian_calls, lifted))
     if tangent:

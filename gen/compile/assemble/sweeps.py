@@ -7,6 +7,7 @@ from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import colouring, one_colour
 from .norms import norm_functions
 from .rows import bounded_apart
+from .sums import swept_by_site
 
 VISIT = (COEFFICIENTS, Argument("void *", "context"), Argument("void", "visit", "void *context, smg_lattice_site at"))
 
@@ -14,9 +15,9 @@ VISIT = (COEFFICIENTS, Argument("void *", "context"), Argument("void", "visit", 
 def visits(model) -> list:
     """smg_each, cell by cell, and smg_each_coloured, colour after colour."""
     found = []
-    if model.plan.coupled and (model.swept_by_site() or "tangent" in model.features and model.lifts()):
+    if model.plan.coupled and (swept_by_site(model) or "tangent" in model.features and model.lifts()):
         found.append(visit(model, "smg_each", False))
-    if model.swept_by_site():
+    if swept_by_site(model):
         found.append(visit(model, "smg_each_coloured", True))
     return found + (norm_functions(model) if model.in_rows is None or not bounded_apart(model) else [])
 

@@ -22,7 +22,7 @@ def interface_slots(model: Model, M: str, sums: list) -> dict:
     """Of interface.c.j2; sums: `value_sums`, without arguments that nothing reads."""
     values = [value_slots(*one) for one in sums]
     energy = " + ".join(f"{M}_energy_{name}(model, t, w)" for name in model.sums)
-    return dict(divided="distributed" in model.features, defaults=defaults(model), values=values, energy_sum=energy or "0", **shell(model))
+    return dict(divided=any(part.divides for part in model.parts), defaults=defaults(model), values=values, energy_sum=energy or "0", **shell(model))
 
 
 def value_slots(kind: str, name: str, body) -> dict:
