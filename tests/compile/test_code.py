@@ -19,6 +19,7 @@ from smidgen.compile.lower.code import (Add, Argument, Assign, At, Call, Compone
 from smidgen.compile.lower.integers import ONE, ZERO, Cell, Field, Given, Index, Size, Whole, compare, modulo, quotient, remainder, times, total, wrapped
 from smidgen.compile.plan.plan import choose
 from smidgen.methods import DEFAULT
+from smidgen.read import load_text
 from support.systems import load
 
 pytestmark = pytest.mark.quick
@@ -191,8 +192,21 @@ def test_elementary_functions_are_seen_in_the_data(expr, takes):
 
 # Whole models
 
+BY_SITE = """
+[model]
+name = "logs"
+[space]
+w = { sphere = 1600 }
+[effects.all]
+over = "bond(i, j) of square(40, 40, periodic)"
+energy = "log(0.1 + dot(w[i], w[j])^2)/w[i].z"
+[starts.a]
+random = 1
+"""
+
+
 def functions(name, **how):
-    spec = load(name)
+    spec = load_text(BY_SITE) if name == "by site" else load(name)
     return {f.name: f for f in definitions(Model(spec, choose(spec, DEFAULT, "auto"), **how))[0] if isinstance(f, Function)}
 
 
@@ -204,10 +218,10 @@ def test_who_writes():
     """A sum over bonds writes at both ends; of one site alone it writes there; sweeps go over colours, then over cells."""
     chain = functions("heisenberg_chain")
     assert written(chain["smg_gradient"]) == {At(Name("g"), 3 * I, True), At(Name("g"), 3 * J, True)}
-    assert written(functions("vortex_tracers")["smg_gather"]) == {At(Name("g"), ZERO, True)}
+    assert written(functions("by site")["smg_gather"]) == {At(Name("g"), ZERO, True)}
     assert written(chain["effect_exchange_gradient"]) == {Component(f"g{k}", a) for k in range(2) for a in range(3)}
     assert [loop.over for loop in loops_of(chain["smg_gradient"])] == ["cells"]
-    assert sorted(loop.over for loop in loops_of(chain["smg_each_coloured"])) == ["cells", "colours"]
+    assert sorted(loop.over for loop in loops_of(functions("by site")["smg_each_coloured"])) == ["cells", "colours"]
     assert loops_of(functions("point_vortices")["smg_gradient"])[0].over == "pairs"
 
 
