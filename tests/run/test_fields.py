@@ -76,9 +76,9 @@ def test_states_that_there_are_not(tmp_path, film, result):
 def test_cells_that_lie_otherwise_are_refused(film):
     w = random_spins(15)
     assert np.array_equal(Field(w, (5, 3, 1)).rows(film), w)
-    with pytest.raises(smidgen.UsageError, match="3 x 5 x 1 cells, film on 5 x 3"):
+    with pytest.raises(smidgen.UsageError, match="3 x 5 x 1 cells, but film has 5 x 3"):
         smidgen.run(film, start=Field(w, (3, 5, 1)))
-    with pytest.raises(smidgen.UsageError, match="12 vectors, film has 15 sites"):
+    with pytest.raises(smidgen.UsageError, match="12 vectors, but film has 15 sites"):
         Field(w[:12], (4, 3, 1)).rows(film)
 
 

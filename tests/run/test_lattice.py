@@ -61,7 +61,7 @@ def test_the_charge_of_other_textures():
     octant = np.array([[1.0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 1]])     # corners x, y, z, x: an eighth of the sphere
     assert smidgen.lattice.charge(octant, Grid((2, 2), (False, False))) == pytest.approx(1 / 8, abs=1e-15)
     for bad in (Grid((40,), (True,)), Grid((2, 2, 10), (True,) * 3), Grid((4, 5), (True, True), 2)):
-        with pytest.raises(smidgen.UsageError, match="two directions"):
+        with pytest.raises(smidgen.UsageError, match="two-dimensional"):
             smidgen.lattice.charge(random_spins(40), bad)
     with pytest.raises(smidgen.UsageError, match="shape"):
         smidgen.lattice.charge(random_spins(39), grid)
