@@ -40,7 +40,7 @@ def relaxed(numbers: Evaluated, energy: Energy, w) -> np.ndarray:
     minimize = needed("scipy.optimize", "relaxation to an equilibrium").minimize
     radii, free = numbers.radii, numbers.moving
     if np.isnan(radii[free]).any():
-        raise UsageError("relaxation is implemented for spheres only: give an equilibrium of the other families")
+        raise UsageError("relaxation is implemented for spheres only: for other spaces, start from an equilibrium")
     radius, scale = radii[free][:, None], max(np.abs(energy.gradient(w)).max(), 1e-300)
 
     def placed(x):

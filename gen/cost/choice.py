@@ -250,7 +250,7 @@ def misses(row: Row, asked: dict) -> str:
 def words(choice: Choice) -> list[str]:
     """The pick, and why."""
     row = choice.row
-    kinds = {"end_error": "end error", "energy": "energy error"}
+    kinds = {"end_error": "final error", "energy": "energy error"}
     tolerance = f", tolerance {row.tolerance:.3g} (--tolerance)" if row.tolerance == row.tolerance else ""
     said = [f"{label(row.method)} (--method {row.method}) with h = {row.h:.17g}, {row.steps} steps{tolerance}",
             f"takes {duration(row.seconds)} ({duration(row.ns_step / 1e9)} a step); "

@@ -12,6 +12,7 @@ from pathlib import Path
 from ..errors import UsageError
 from ..methods import METHODS
 from ..public import public
+from ..read.names import plural
 from ..tables import text_of
 from .frontier import TARGETS, first, frontier, keeps_energy, symplectic
 from .peers import PEERS
@@ -121,7 +122,7 @@ def machine() -> str:
 def words(cost: Cost) -> str:
     """The table, and what a reader should take away."""
     f = cost.facts
-    head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {f['sites']} sites; {measured_on(f)}"
+    head = f"{f['spec']} {f['run']}".strip() + f": time {f['time']}, {plural(int(f['sites']), 'site')}; {measured_on(f)}"
     if cost_is_chaotic(cost):
         return "\n".join([head, f"no errors of the final state: {f['reference']}", text_of(invariants(cost)).rstrip()])
     return "\n".join([head, f"errors against {f['reference']}", text_of(times(cost)).rstrip(), *sentences(cost)])

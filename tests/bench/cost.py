@@ -45,7 +45,7 @@ SYSTEMS = {"free_rigid_body": System(100, 1e5), "irreversible_rigid_body": Syste
 QUICK = {"irreversible_rigid_body": System(10, 100), "two_bodies": System(2)}
 LONGER = 1.5        # times as many seconds for the long runs: their methods need some to get to small errors
 FEW = ("spherical-midpoint", "gauss-4", "gauss-8", "dop853")
-PARTS = (("", "end_error", "end error"), ("_long", "energy", "energy error"))
+PARTS = (("", "end_error", "final error"), ("_long", "energy", "energy error"))
 
 
 def measured(name: str, system: System, folder: Path, seconds: float, methods, since: str) -> None:
@@ -130,7 +130,7 @@ def section(name: str, widths):
     yield f"## {smidgen.load(name).title or name}\n"
     for place, word, what, said in tables:
         cost = smidgen.load_cost(place / f"{word}.csv")
-        yield f"[{place.name}/{word}.csv](cost/{place.name}/{word}.csv): by {said}, to time {float(cost.facts['time']):g}; {on(cost)}\n"
+        yield f"[{place.name}/{word}.csv](cost/{place.name}/{word}.csv): by {said}, up to time {float(cost.facts['time']):g}; {on(cost)}\n"
         if others(cost, what):
             yield f"{table(cost, what)}\n"
             yield f"{ahead(cost, behind(cost, what))}\n"

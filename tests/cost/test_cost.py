@@ -128,7 +128,7 @@ def test_an_end_that_nobody_knows_is_not_judged():
     chain = dict(parameters={"n": 6}, time=600, start=np.random.default_rng(3).normal(size=(6, 3)))
     chain["start"] /= np.linalg.norm(chain["start"], axis=1)[:, None]
     found = smidgen.cost(spec, methods=("spherical-midpoint",), seconds=1, long=False, **chain)
-    assert all(math.isnan(row.end_error) for row in found.rows) and "no end errors" in str(found)
+    assert all(math.isnan(row.end_error) for row in found.rows) and "no errors of the final state" in str(found)
     with pytest.raises(UsageError, match="chaotic"):
         smidgen.choose(spec, error=1e-8, methods=("spherical-midpoint",), **chain)
 

@@ -77,7 +77,7 @@ def page(found: dict) -> tuple[str, float, list]:
     text = [
         "# Branch coverage of the runtime\n",
         "`make coverage` writes this page. It uses gcov to count the branches taken in all generated models and test programs that the tests build, "
-        "and sums the counts by header, line and branch. An empty reason means that the branch was not reached in this measurement, for no known reason.\n",
+        "and sums the counts by header, line and branch. Where the last column is empty, it is not known why the branch was not reached.\n",
         f"**{100 * taken / total:.1f} %** of {total} branches are taken.\n",
         table(("header", "taken", "branches", "%"), [*per_header, ("all", taken, total, f"{100 * taken / total:.1f}")]) + "\n",
         "## Branches that no test takes\n",

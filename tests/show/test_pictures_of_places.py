@@ -170,7 +170,7 @@ def test_a_film_without_ffmpeg_is_refused(film, tmp_path):
 
 
 def test_a_film_of_a_curve_is_refused(film, tmp_path):
-    with pytest.raises(UsageError, match="omit --kind instead of 'energy'"):
+    with pytest.raises(UsageError, match="not 'energy': omit --kind"):
         draw.plot(film, kind="energy", out=tmp_path / "film.gif")
 
 

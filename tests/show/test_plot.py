@@ -290,7 +290,7 @@ def test_the_callers_own_style_survives(top, tmp_path):
 
 @pytest.mark.parametrize("kind, out, words", [
     ("energie", None, "did you mean 'energy'"), ("energy", "a.gif", "omit --kind"),
-    ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.tiff", "ending"),
+    ("player", "a.png", ".html"), ("energy", "a.html", "player"), ("auto", "a.tiff", "must end in"),
 ])
 def test_wrong_wishes_are_usage_errors(kind, out, words, top, tmp_path):
     with pytest.raises(UsageError, match=re.escape(words)):

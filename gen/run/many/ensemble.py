@@ -18,6 +18,7 @@ from ...build.binary import build_library
 from ...errors import RunError, UsageError
 from ...language import limits
 from ...public import few, public
+from ...read.names import plural
 from ...read.shipped import SpecLike, spec_or_name
 from ..step.evaluated import Evaluated
 from ..step.library import functions, loaded, packed
@@ -57,7 +58,7 @@ class Ensemble:
     def __repr__(self) -> str:
         how = f"{self.lanes} at a time" if self.lanes > 1 else "one by one"
         failed = f"; failed: {few(map(str, self.failures))}" if self.failures else ""
-        return f"<Ensemble of {len(self.w)} members, {self.w.shape[1]} sites each, to t = {self.t[-1]:.10g}, {how}{failed}>"
+        return f"<Ensemble of {len(self.w)} members, {plural(self.w.shape[1], 'site')} each, to t = {self.t[-1]:.10g}, {how}{failed}>"
 
 
 @public

@@ -87,8 +87,8 @@ def cost_words(table) -> str:
     times = [f"{duration(seconds)} by {METHODS[name].label}" for name, seconds in (explicit, own)]
     times += [f"{duration(plain)} by the spherical midpoint"] * (plain == plain)
     drifts = [f"{growth_of(table, name):.0e} by {'the ' * (name == SPHERICAL)}{METHODS[name].label}" for name in (explicit[0], own[0], SPHERICAL)]
-    return (f"Short runs: take the explicit method. To t = {COSTED:g} an end error of {AIM:.0e} costs {', '.join(times)}. "
-            f"Long runs: take a symplectic method, whose energy error does not grow. With steps for the same end error it is, up to t = {100 * COSTED:g}, "
+    return (f"Short runs: take the explicit method. To t = {COSTED:g} a final error of {AIM:.0e} costs {', '.join(times)}. "
+            f"Long runs: take a symplectic method, whose energy error does not grow. With steps for the same final error it is, up to t = {100 * COSTED:g}, "
             f"{', '.join(drifts)}. The spherical midpoint is the simplest of them: for many cheap steps that keep what matters. "
             "Irreversible body, processor time, measured as this page was made.")
 

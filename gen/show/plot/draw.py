@@ -35,7 +35,7 @@ def plot(source, run: str | None = None, *, kind: str = "auto", out=None, part=N
 def filmed(source, run, kind: str, path: Path, piece: dict, width: float | None) -> Path:
     """A film; whether it can be written is asked before anything is run."""
     if kind not in ("auto", "places", "sphere"):
-        raise UsageError(f"a film ({path.suffix}) shows a lattice or spheres: omit --kind instead of '{kind}'")
+        raise UsageError(f"a film ({path.suffix}) shows a lattice or spheres, not '{kind}': omit --kind")
     writer_for(path)
     result = shown(result_of(source, run))
     picture, draw_frame, frames = styled(film_parts)(result, piece)

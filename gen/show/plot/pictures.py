@@ -61,7 +61,7 @@ def drawable(result):
     size = max(float(np.abs(w[good]).max(initial=0)) for w in states.values())
     if not SMALLEST < size < LARGEST:
         raise UsageError(f"the largest coordinate of this result is {size:.3g}: "
-                         f"pictures show {SMALLEST:g} to {LARGEST:g}")
+                         f"pictures can only be drawn if it is between {SMALLEST:g} and {LARGEST:g}")
     return dataclasses.replace(
         result, step=result.step[good], t=result.t[good],
         w={n: w[good] for n, w in states.items()},
