@@ -187,7 +187,7 @@ def test_a_weak_fast_modulation_is_resolved(period, time):
 def test_the_frequency_of_a_field(law, change, abrupt):
     found = advise(load_text(MODULATED.replace("w.x^2/2 +", f"w.x*({law}) +")), parameters={"eps": 0}, h=0.05, time=50)
     assert found.change == pytest.approx(change, rel=0.05) and found.abrupt is abrupt
-    assert any("as at a jump" in line for line in found.words()) is abrupt
+    assert any("as if it jumped" in line for line in found.words()) is abrupt
 
 
 # -- the cause ------------------------------------------------------------------------------------

@@ -143,7 +143,7 @@ def test_wave_vectors_by_name():
 
 
 @pytest.mark.parametrize("q, said", [
-    ("0 1/4", "q = 0.25 is not a wave vector of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "has 1 finite numbers"), ("", "points of 1 numbers"),
+    ("0 1/4", "q = 0.25 is not a wave vector of 6 cells; the nearest are 1/6 and 2/6"), ("0,0 1/2,0", "must consist of 1 finite numbers"), ("", "points of 1 numbers"),
     ("0 a", "has no point .a."), ("0 1,2", "points of 1"), ([np.nan], "finite"), ([1e300], "finite"), ("al", "has no point .al."), ([[[0]]], "1 finite"), ([["x"]], "rows of numbers"),
     ("0 1/0", ".")])
 def test_what_is_no_wave_vector(q, said):

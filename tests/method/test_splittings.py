@@ -65,7 +65,7 @@ def test_the_term_is_quoted():
         generate(spec, method="axis-splitting")
     said = smidgen.explain(spec)
     assert "effect 'second' joins w[i].x and w[j].y" in said.splittings["axis-splitting"]
-    assert any("No axis-splitting: effect 'second'" in line for line in said.words())
+    assert any("Method axis-splitting cannot be used: effect 'second'" in line for line in said.words())
     assert smidgen.explain(spec, effects=["first"]).splittings["axis-splitting"] is None
 
 

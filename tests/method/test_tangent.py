@@ -14,7 +14,7 @@ from support.systems import CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, b
 from support.tangent import derivative, frame, leaves_of, polished
 
 import smidgen
-import smidgen.compile.lower.kernels
+import smidgen.compile.assemble.same_bonds
 from smidgen.build.binary import build_library
 from smidgen.compile.derive.derivatives import derive, hessian_blocks
 from smidgen.compile.derive.parts import Whole
@@ -273,7 +273,7 @@ def other_sign(term, *more):
 @quick
 def test_a_wrong_hessian_is_found_by_differences_and_by_nothing_else(monkeypatch):
     """The step still converges to the right solution, and the tangent map is that of the step of another H."""
-    monkeypatch.setattr(smidgen.compile.lower.kernels, "derive", other_hessian)
+    monkeypatch.setattr(smidgen.compile.assemble.same_bonds, "derive", other_hessian)
     case = begin("two_bodies")
     step = with_fault(case, "wrong_hessian")
     w = generic_state(step, case)
@@ -284,7 +284,7 @@ def test_a_wrong_hessian_is_found_by_differences_and_by_nothing_else(monkeypatch
 @quick
 def test_a_wrong_gradient_is_found_by_the_symplectic_form(monkeypatch):
     """Its Hessian blocks are its own derivatives, so that differences see nothing."""
-    monkeypatch.setattr(smidgen.compile.lower.kernels, "derive", other_sign)
+    monkeypatch.setattr(smidgen.compile.assemble.same_bonds, "derive", other_sign)
     case = begin("two_bodies")
     step = with_fault(case, "wrong_gradient")
     w = generic_state(step, case)

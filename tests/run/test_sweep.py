@@ -119,7 +119,7 @@ def test_another_sweep_and_another_folder_are_refused(command, path):
     assert command("sweep", path, "one", "--set", "a=0:1:2", "--out", folder).returncode == 0
     for words in (["--set", "a=0:1:3"], ["--set", "a=0:1:2", "--set", "b=2"], ["--set", "a=0:1:2", "--h", "0.2"]):
         said = command("sweep", path, "one", *words, "--out", folder)
-        assert said.returncode == 2 and "another sweep" in said.stderr
+        assert said.returncode == 2 and "contains a sweep with different settings" in said.stderr
     other = path.parent / "other"
     other.mkdir()
     (other / "mine.txt").write_text("mine")
