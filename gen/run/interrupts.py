@@ -58,11 +58,13 @@ def raised() -> Iterator[None]:
         _noted.set()
         raise KeyboardInterrupt
 
-    _noted.clear()
-    with _handled(note):
-        yield
-    if noted():
-        raise KeyboardInterrupt
+    try:
+        with _handled(note):
+            yield
+        if noted():
+            raise KeyboardInterrupt
+    finally:
+        _noted.clear()
 
 
 def noted() -> bool:

@@ -134,6 +134,12 @@ static inline int smg_put_away(const smg_state *s, int64_t k) {
   return 1;
 }
 
+/* Sites that are not there: by slots 0, so that others feel nothing of them, else as smg_put_away has them. */
+static inline void smg_put_absent(smg_state *s, int by_slots) {
+  for (int64_t k = smg_own_from(&s->c); k < smg_own_to(&s->c); ++k)
+    if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
+}
+
 /* s->w = w, which is checked, each site on its sphere to round-off; s->scale is the largest component. */
 static void smg_put_state(smg_state *s, const smg_real *w) {
   s->scale = 0;

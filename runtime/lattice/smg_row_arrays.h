@@ -80,12 +80,6 @@ static inline const smg_blocks *smg_blocks_of(const smg_state *s, smg_blocks *b)
   return s->row_beside ? b : NULL;
 }
 
-/* Sites that are not there: by slots 0, so that others feel nothing of them, else as smg_put_away has them. */
-static inline void smg_put_absent(smg_state *s, int by_slots) {
-  for (int64_t k = smg_own_from(&s->c); k < smg_own_to(&s->c); ++k)
-    if (smg_put_away(s, k) && by_slots) s->w[3 * k + 2] = 0;
-}
-
 /* w into slots, where it is not there yet, and back; empty ones hold a spin that nothing turns, or the vector 0 where a
  * torque would turn that, or radii differ. */
 static void smg_enter_rows(smg_state *s) {

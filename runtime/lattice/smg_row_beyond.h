@@ -11,6 +11,7 @@
 #ifndef SMG_ROW_BEYOND_H
 #define SMG_ROW_BEYOND_H
 
+#include "smg_history.h"
 #include "smg_row_mean.h"
 #include "smg_row_step.h"
 #include "smg_row_weights.h"

@@ -113,7 +113,7 @@ def test_choose_measures_at_a_temperature(warm):
     assert abs(pick.row.error) < 0.05 and pick.cost.facts["number"] == "mz"
 
 
-@pytest.mark.parametrize("asked, said", [({}, "the error of a mean"), ({"energy": 0.1}, "steps are not symplectic"), ({"error": 0.1, "symplectic": True}, "steps are not symplectic")])
+@pytest.mark.parametrize("asked, said", [({}, "a positive error of the mean"), ({"energy": 0.1}, "steps are not symplectic"), ({"error": 0.1, "symplectic": True}, "steps are not symplectic")])
 def test_choose_asks_for_the_error_of_a_mean(warm, asked, said):
     with pytest.raises(UsageError, match=said):
         smidgen.choose(warm, seconds=1e-3, **asked)

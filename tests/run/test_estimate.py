@@ -73,7 +73,7 @@ def test_what_two_step_sizes_say():
     assert math.isclose(said(0.03, 0.0075)[0], 0.01, rel_tol=1e-9) and said(0.03, 0.0075)[1] is None
     assert said(0.03, 0.0149)[0] and said(0.03, 0.0038)[0]
     error, why = said(0.03, 0.016)
-    assert error is None and "50 steps changed it by 0.03 and 200 steps changed it by 0.016, where order 2 predicts a ratio of 4" in why
+    assert error is None and "50 steps changed it by 0.03 and 200 steps changed it by 0.016, but order 2 predicts a ratio of 4" in why
     assert said(0.03, 0.0037)[0] is None
     assert said(0.0, 0.0)[0] == EPS * 10                     # exact, but for round-off
     assert said(3e-14, 3e-14)[0] < 1e-13                    # round-off on both sides says nothing about the order

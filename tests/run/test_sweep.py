@@ -258,6 +258,7 @@ def test_an_interrupt_that_a_callback_drops_ends_the_run(path):
     with pytest.raises(KeyboardInterrupt), interrupts.raised():
         Dropping()
         smidgen.run(path, "demo", time=1e12, every=100, keep=False)
+    assert smidgen.run(path, "demo").meta["status"] == "complete"        # nothing of it is left
 
 
 @pytest.mark.usefixtures("listens")

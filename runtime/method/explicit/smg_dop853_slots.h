@@ -5,6 +5,8 @@
 
 #include "smg_dop853_control.h"
 #include "smg_dop853_trial.h"
+
+#if SMG_ROW_FIELDS
 #include "smg_field_rows.h"
 #include "smg_lane_vec.h"
 
@@ -55,6 +57,7 @@ SMG_INLINE void smg_slot_on_leaf(void *context, int64_t site, int64_t slot) {
   }
 }
 static void smg_back_on_leaves(smg_state *s) { smg_each_slot(&s->c, s, smg_slot_on_leaf); }
+#endif
 #endif
 
 #endif

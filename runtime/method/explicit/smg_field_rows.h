@@ -102,11 +102,13 @@ static void smg_enter_fields(smg_state *s, smg_besides *known) {
   smg_fill_values(s);
 #endif
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * pitch + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
+  smg_put_absent(s, 1);
   smg_to_slots(s, s->w, w);
   smg_to_slots(s, s->compensation, smg_spins_lost(s) + SMG_BEFORE);
 }
 static void smg_leave_fields(smg_state *s) {
   smg_to_sites(s, smg_spins(s) + SMG_BEFORE, s->w);
+  smg_put_absent(s, 0);
   smg_to_sites(s, smg_spins_lost(s) + SMG_BEFORE, s->compensation);
   s->row_known = NULL;
 }
