@@ -66,7 +66,7 @@ class Sum:
         for leaf in derived.leaves.values():
             if isinstance(leaf, Time):
                 raise UsageError(f"the energy `{derived.term.name}` depends on time, so no state is an equilibrium: leave it out with "
-                                 "effects=.. (--effects), or, in Python, compute the lines of the other effects: spectrum(theory=spin_waves(effects=..))")
+                                 "effects=.. (--effects), or, in Python, compute the spin-wave lines from the other effects: spectrum(theory=spin_waves(effects=..))")
         env = {**numbers.values, **indices, **columns}
         self.leaves = {sp.Symbol(name, real=True): evaluate(leaf, env) for name, leaf in derived.leaves.items()}
 

@@ -26,7 +26,7 @@ class UnitsReader:
         named = dict(self.problems.together(*(lambda k=kind: (k, self.scale(section.get(k), k)) for kind in KINDS if section.has(kind))))
         scales = coherent(named)
         if scales is None and section.raw:
-            self.problems.fail(codes.MISSING, section.key, "no unit of energy follows from [units]", NEEDED)
+            self.problems.fail(codes.MISSING, section.key, "[units] does not determine a unit of energy", NEEDED)
         return scales and Units(scales, tuple(named.items()))
 
     def plain(self, section: Node) -> None:

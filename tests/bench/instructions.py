@@ -4,7 +4,7 @@
     python tests/bench/instructions.py --only gauss --out out/now.csv     # rows whose spec, method or layout has this text
     python tests/bench/instructions.py --out out/now.csv --against docs/instructions.csv
 
-Each model is compiled once, for any processor of the family (no -march=native), and takes N and 2 N steps under callgrind: the difference, divided by N (and by
+Each model is compiled once, for any processor of this architecture (no -march=native), and takes N and 2 N steps under callgrind: the difference, divided by N (and by
 the members of an ensemble), is what a step costs once the history is full. `--against` prints the ratios to another table; the exit code is 1 where one is
 above --limit. Counts of one compiler are the same on every machine; those of two are not to be compared.
 """

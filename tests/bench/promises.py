@@ -118,7 +118,7 @@ def words(rows) -> str:
              "are the same. Every output records the guarantees that were given up (`tolerance`, `fast`, `flags`).\n"]
     for method in METHODS:
         own = [r for r in rows if r["method"] == method and r["promise"] != "certificate"]
-        parts += [f"Time of a step without any change, {method}, in ns: " + ", ".join(f"{s} {next(float(r['ns_step']) for r in own if r['system'] == s):.4g}" for s in systems) + "\n",
+        parts += [f"Time of a step with all guarantees, {method}, in ns: " + ", ".join(f"{s} {next(float(r['ns_step']) for r in own if r['system'] == s):.4g}" for s in systems) + "\n",
                   "| guarantee | given up with | " + " | ".join(systems) + " |", "|---|---|" + "---|" * len(systems)]
         for promise in dict.fromkeys(r["promise"] for r in own):
             cells = {r["system"]: f"{float(r['per_cent']):.0f} ({float(r['spread_per_cent']):.0f})" for r in own if r["promise"] == promise}

@@ -41,7 +41,7 @@ Newton's method from an extrapolation of degree 6. Because the field is divergen
 
 Times are in nanoseconds per spin and step.
 
-- `portable` is compiled for any processor of the family, with two lanes.
+- `portable` is compiled for any processor of this architecture, with two lanes.
 - `native` is compiled for this processor (`-march=native`), as `smidgen.build` does, and gives the same bits.
 - `fast` also uses fused multiply-add operations (`--fast`), and gives different bits.
 - `site by site` is the time for models that cannot be stepped [by rows](lattices.md#processing-lattices-by-rows); here it is measured on the same model, compiled with its tangent map, which rules out rows.
@@ -71,13 +71,13 @@ Times are wall-clock times in nanoseconds per spin and step. For strong scaling,
 
 {few}
 
-Times are in nanoseconds per step: compiled for any processor of the family (`portable`), for this processor as `smidgen.build` does (`native`), and with Newton's method only (`--solver newton`). All are timed alternately.
+Times are in nanoseconds per step: compiled for any processor of this architecture (`portable`), for this processor as `smidgen.build` does (`native`), and with Newton's method only (`--solver newton`). All are timed alternately.
 
 For thousands of single bodies side by side, see [ensembles.md](ensembles.md).
 
 ## Instructions per step
 
-`python tests/bench/instructions.py` uses callgrind to count the instructions of these steps and of those of ensembles, compiled for any processor of the family. The count is the difference between runs of N and 2N steps of the same program, see [instructions.csv](instructions.csv). Times depend on the machine and its load, but these counts depend only on the compiler; with `--against FILE` they show the cost of a change. The rows `lanes` and `one by one` are counts for one member of an ensemble, all others for a whole state.
+`python tests/bench/instructions.py` uses callgrind to count the instructions of these steps and of those of ensembles, compiled for any processor of this architecture. The count is the difference between runs of N and 2N steps of the same program, see [instructions.csv](instructions.csv). Times depend on the machine and its load, but these counts depend only on the compiler; with `--against FILE` they show the cost of a change. The rows `lanes` and `one by one` are counts for one member of an ensemble, all others for a whole state.
 
 ## From a hundred spins to a million
 

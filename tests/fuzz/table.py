@@ -24,7 +24,7 @@ MADE = (*SCENES, "damping", "kT", "torque", "pinned", "absent", "random of sites
 LEVELS = ("-O0", "-O1", "-O2", "-O3")
 VERDICTS = ("fine", "refused", "fault")
 ENDED = "ended from outside"      # a process that took too long has told nothing
-NEVER = "none: refused before"
+NEVER = "none: refused before the first step"
 ALL = str(COUNT)                  # steps; those judged by residuals say nothing else
 
 

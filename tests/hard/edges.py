@@ -5,7 +5,7 @@ If X(w) = 0, a step gives W = w exactly: each product that vanishes must be an e
 Round-off that is a random walk grows like N^(1/2), where N is the number of steps; a bias grows like N. The exponent is fitted to the
 root mean square of the changes over windows of one orbit, and over orbits. The mean rounding error along a quasi-periodic
 orbit is not exactly zero. With the last evaluation in double precision, an error of about 1e-22 per step remains, of either sign, which becomes visible from
-1e7 steps on ([round_off.md](round_off.md)). The bound 1e-18 sqrt(N) is required up to 1e7 steps of the default, and up to 1e8 steps of the
+1e7 steps on ([round_off.md](round_off.md)). The bound 1e-18 sqrt(N) is required up to 1e7 steps by default, and up to 1e8 steps with the
 feature `extended`, whose last evaluation has more digits.
 """
 from concurrent.futures import ThreadPoolExecutor
@@ -41,7 +41,7 @@ def aligned():
 
 @case("one component zero")
 def one_zero():
-    """A body in the plane of two axes leaves it at the exact rate of the third component. If the start is rotated by pi about the third axis, so is the solution."""
+    """If the angular momentum of a body lies in the plane of two axes, its third component departs from 0 at the exact rate. If the start is rotated by pi about the third axis, so is the solution."""
     # broken by: 0/0 in a ratio of components, a reflection symmetry that round-off breaks
     one = model(begin("free_rigid_body"))
     for w in ([0.6, 0.0, 0.8], [0.0, 0.6, 0.8], [0.6, 0.8, 0.0]):

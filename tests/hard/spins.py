@@ -161,7 +161,7 @@ def coupled(k1, k2, gap):
 
 @case("two coupled spins turn about their sum")
 def about_their_sum():
-    """The angle of a step is exact from small to very large steps, also for unequal strengths. Its rate agrees with the flow to second order."""
+    """The angle of a step is exact for small to very large steps, also for unequal strengths. Its rate agrees with the flow to second order."""
     # broken by: a frozen partner, strengths left out on one side, sublattice rotations (energy exact, another angle)
     for k1, k2, gap in ((1.0, 1.0, 1.2), (1.0, 2.5, 0.9)):
         w = coupled(k1, k2, gap)

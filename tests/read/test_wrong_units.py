@@ -86,7 +86,7 @@ set = { J = "6 meV" }
 WRONG = [   # in place of, what is written, the code, what the caret points at, part of the cause
     ('energy = "meV"', 'energy = "ps"', DIMENSION, '"ps"', "cannot be the unit of an energy"),
     ('energy = "meV"', 'energy = "mev"', UNIT, "mev", "there is no unit `mev`"),
-    ('energy = "meV"\n', "", MISSING, "units", "no unit of energy follows"),
+    ('energy = "meV"\n', "", MISSING, "units", "does not determine a unit of energy"),
     ('energy = "meV"', "energy = 3", TYPE, "3", "must be a string"),
     ('energy = "meV"', 'energy = "0 meV"', NUMBER, "0", "a unit must be positive"),
     ('energy = "meV"', 'dimensionless = true\nenergy = "meV"', CONFLICT, '"meV"', "`dimensionless` means that there are none"),
