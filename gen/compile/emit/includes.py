@@ -5,7 +5,7 @@ import re
 
 DEFINE = re.compile(r"^#define (SMG_\w+) (-?\d+)$", re.MULTILINE)
 INCLUDE = re.compile(r'[ \t]*#[ \t]*include[ \t]*"([A-Za-z0-9_.]+)"')
-TEST = re.compile(r"#(?:el)?if (!?)(SMG_\w+)$")
+TEST = re.compile(r"#(?:el)?if (!?)(SMG_\w+)( && [^|]+)?$")
 GUARD = re.compile(r"#ifndef (SMG_\w+)$")
 
 
@@ -15,12 +15,15 @@ def macros_of(source: str) -> dict:
 
 
 def decided(line: str, macros: dict) -> bool | None:
-    """What a test of a single macro of the runtime comes to; None: another one."""
+    """What a test of a single macro of the runtime comes to, or of one and more where that one does not hold; None: another one."""
     guard = GUARD.match(line)
     if guard and guard[1] in macros:
         return False
     test = TEST.match(line)
-    return None if test is None else (macros.get(test[2], 0) == 0) == bool(test[1])
+    if test is None:
+        return None
+    holds = (macros.get(test[2], 0) == 0) == bool(test[1])
+    return None if holds and test[3] else holds
 
 
 def active_lines(text: str, macros: dict):

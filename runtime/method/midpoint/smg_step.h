@@ -11,15 +11,16 @@
 #include "smg_state.h"
 #if SMG_HAS_COUPLED
 #include "smg_branch.h"
-#if SMG_BY_ROWS && SMG_ONTO_LEAF
-#include "smg_row_beyond.h"
-#else
+#if SMG_SWEPT
+#include "smg_swept.h"
+#endif
 #if SMG_BY_ROWS
 #include "smg_row_step.h"
 #endif
-#if SMG_SWEPT
+#if SMG_BY_ROWS && SMG_ONTO_LEAF
+#include "smg_row_beyond.h"
+#elif SMG_SWEPT
 #include "smg_sweep.h"
-#endif
 #endif
 #if SMG_FEW_IN_LANES
 #include "smg_few_step.h"
