@@ -230,7 +230,7 @@ def test_the_command(command, tmp_path):
     assert said.returncode == 0 and "9 waves of w, 150 frequencies" in said.stdout and (tmp_path / "a.png").exists(), said.stderr
     assert "more wave" not in said.stdout and len(said.stdout.splitlines()) == 11
     many = command("spectrum", "m.toml", "--set", "n=24", "--time", "4").stdout.splitlines()
-    assert len(many) == 23 and many[-1].startswith(".. and 4 more waves: --out FILE")
+    assert len(many) == 23 and many[-1].startswith(".. and 4 more waves; use --out FILE")
     facts = json.loads(command("spectrum", "m.toml", "--q", "1/4", "--json").stdout)
     assert facts["q"] == [[0.25]] and len(facts["peak"]) == 1
     table = command("spectrum", "m.toml", "--q", "1/4", "--time", "4", "--out", "-").stdout.splitlines()
