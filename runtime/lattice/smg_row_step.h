@@ -93,7 +93,7 @@ static void smg_choose_row_degree(smg_state *s) {
 
 /* The step is taken; more: does another one begin, and add its increments to w? */
 static void smg_commit_rows(smg_state *s, int more) {
-  if (s->history < SMG_ROW_HISTORY || smg_time_to_choose(s)) smg_choose_row_degree(s);
+  if (smg_time_to_choose(s, SMG_ROW_HISTORY)) smg_choose_row_degree(s);
   smg_remember(s, SMG_ROW_HISTORY, &s->row_late);
   s->row_due = more;
   if (!more) smg_go_on_rows(s, 0);

@@ -11,8 +11,8 @@
 #include "smg_stage_predictor.h"
 #else
 
-/* Is it time to look which degree serves best? */
-static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 0; }
+/* Is it time to look which degree serves best? full: increments that are kept. */
+static inline int smg_time_to_choose(const smg_state *s, int full) { return s->history < full || s->count % 16 == 0; }
 
 /* the highest degree that so many increments serve */
 #define SMG_MOST_DEGREE(history) ((history)-1)

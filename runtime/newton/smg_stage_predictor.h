@@ -27,8 +27,8 @@ static inline int smg_highest_level(int stages) {
 #define SMG_MOST_DEGREE(history) smg_highest_level(history)
 
 /* Is it time to look which level serves best? While the history grows, and then through all stages of every sixteenth
- * step. */
-static inline int smg_time_to_choose(const smg_state *s) { return s->history < SMG_HISTORY || s->count % 16 == 2; }
+ * step. full: increments that are kept. */
+static inline int smg_time_to_choose(const smg_state *s, int full) { return s->history < full || s->count % 16 == 2; }
 
 /* s->misses: for every level the squared errors of a step's stages so far, and of how many stages they are. After the
  * last stage the level of least error is chosen. */
@@ -69,7 +69,7 @@ SMG_COLD static void smg_stage_misses(smg_state *s) {
 /* A stage has its row in the history. */
 SMG_INLINE void smg_stage_done(smg_state *s) {
   if (s->history < SMG_HISTORY) s->degree = smg_highest_level(++s->history);
-  else if (smg_time_to_choose(s)) smg_stage_misses(s);
+  else if (smg_time_to_choose(s, SMG_HISTORY)) smg_stage_misses(s);
   ++s->stage;
 }
 #else

@@ -3,6 +3,7 @@ import itertools
 
 import pytest
 from support import texts
+from support.features import ANYWHERE, DIVIDED
 from support.strict import compile_all
 from support.systems import load
 
@@ -27,8 +28,10 @@ def layout(name, where):
     return load(name) if name in SHIPPED else texts.read(TEXTS[name], where)
 
 
-def features_of(method) -> tuple:
-    return (*METHODS[method].features, *EVERYWHERE)
+def features_of(method, which=FEATURES) -> tuple:
+    """Those among `which` that some model of the method can have: only midpoints of several spheres are divided among ranks."""
+    divided = METHODS[method].midpoint and not METHODS[method].free_body
+    return tuple(f for f in (*METHODS[method].features, *EVERYWHERE) if f in which and (divided or f != "distributed"))
 
 
 def complaints(spec, method, features, where, compiler="gcc"):
@@ -44,7 +47,12 @@ def complaints(spec, method, features, where, compiler="gcc"):
 
 @pytest.mark.parametrize("name, method", TELLING)
 def test_a_layout_with_all_features_at_once(name, method, tmp_path):
-    assert complaints(layout(name, tmp_path), method, features_of(method), tmp_path) == ""
+    assert complaints(layout(name, tmp_path), method, features_of(method, ANYWHERE), tmp_path) == ""
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param("classical-midpoint", marks=pytest.mark.long)])
+def test_a_divided_lattice_with_all_other_features_at_once(method, tmp_path):
+    assert complaints(load("honeycomb"), method, features_of(method, DIVIDED), tmp_path) == ""
 
 
 @pytest.mark.long
@@ -56,7 +64,7 @@ def test_every_feature_of_a_method_over_all_layouts(method, tmp_path):
     for name in (*SHIPPED, *TEXTS):
         spec = layout(name, tmp_path)
         alone = [(feature,) for feature in features_of(method) if METHODS[method].stages == 1]
-        for features in dict.fromkeys([(), *alone, features_of(method)]):
+        for features in dict.fromkeys([(), *alone, *(features_of(method, which) for which in (ANYWHERE, DIVIDED))]):
             said = complaints(spec, method, features, tmp_path, next(compilers))
             assert not said, f"{name} {features}:\n{said[:2000]}"
             compiled |= set(features) if said == "" else set()

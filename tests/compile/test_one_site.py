@@ -4,11 +4,11 @@ import re
 from itertools import cycle
 
 import pytest
+from support.features import ANYWHERE
 from support.strict import MODES, WARNINGS, compile_all
 
 from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
-from smidgen.compile.features import FEATURES
 from smidgen.read import load_text
 
 pytestmark = pytest.mark.quick
@@ -35,7 +35,7 @@ CASES = [dict(kappa="ga[i] + 3"), dict(kappa="1 + 0.5*mod(i, 2)"), dict(kappa="g
          dict(energy=BODY + " + ga[i]*w[i].x"), dict(energy=BODY + " + (i + 1)*w[i].y*cos(t)"),
          dict(energy=BODY + " + if(i < 1, b, 2)*w[i].y"),
          dict(kappa="1 + i", more='p = { sphere = 1, tracer = true, kappa = "2 + i" }\n')]
-METHODS = [("spherical-midpoint", ()), ("spherical-midpoint", tuple(f for f in FEATURES if f != "distributed")), ("classical-midpoint", ())]
+METHODS = [("spherical-midpoint", ()), ("spherical-midpoint", ANYWHERE), ("classical-midpoint", ())]
 
 
 def files_of(case, method, features):

@@ -4,12 +4,12 @@ import subprocess
 from itertools import cycle
 
 import pytest
+from support.features import ANYWHERE, DIVIDED
 from support.strict import WARNINGS, run_sanitized
 
 from smidgen.build.binary import write_files
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
-from smidgen.compile.features import FEATURES
 from smidgen.read import load_text
 from smidgen.resources import include_flags
 from smidgen.compile.select import select
@@ -35,6 +35,22 @@ energy = "dot(v[i], v[j])"
 over = "site(i) of v"
 value = "delta[i]*v[i].x"
 """
+LATTICE = """
+[model]
+name = "sized"
+[space]
+w = { sphere = "2*n" }
+[parameters]
+n = 4
+J = 1.0
+B = 0.5
+[effects.chain]
+over = "bond(i, j) of chain(2*n, periodic)"
+energy = "-J*dot(w[i], w[j])"
+[effects.field]
+over = "site(i) of w"
+energy = "-B^2*w[i].z"
+"""
 USES = {"kappa": ("gamma[i] + 1", "w[i].z^2"), "energy": ("1", "gamma[i]*w[i].z^2"), "nothing": ("1", "w[i].z^2")}
 LENGTHS = ("n", "2*n", "n + m", "n*m", "3*n - m", "m*m", "5")
 
@@ -46,10 +62,19 @@ def sized(size="2*n", use="kappa", other="n*m + 1"):
 
 @pytest.mark.quick
 @pytest.mark.parametrize("size, use, features", [*((size, use, ()) for size, use in zip(LENGTHS, cycle(USES))),
-                                                 *(("2*n", use, tuple(FEATURES)) for use in USES)])
+                                                 *(("2*n", use, ANYWHERE) for use in USES)])
 def test_every_coefficient_that_is_read_is_computed(size, use, features):
     """Sizes n0, n1, .. in `_sizes`, values k0, k1, .. in `_prepare`, `_set_step` or `_set_time`; none is declared in vain."""
-    files = generate(load_text(sized(size, use)), features=features)
+    all_are_computed(sized(size, use), features)
+
+
+@pytest.mark.quick
+def test_every_coefficient_of_a_divided_lattice_is_computed():
+    all_are_computed(LATTICE, DIVIDED)
+
+
+def all_are_computed(text, features):
+    files = generate(load_text(text), features=features)
     read = set(re.findall(r"(?:c|wide|model)->([nk]\d+)(?! = )", files["sized.c"]))
     computed = set(re.findall(r"(?:c|wide|model)->([nk]\d+) = ", files["sized.c"]))
     declared = set(re.findall(r"(?:int64_t|smg_real|smg_wide) ([nk]\d+);", files["sized.h"]))

@@ -47,6 +47,10 @@ kT = 0.2
 over = "bond(i, j) of square(n, n, periodic)"
 torque = "cross(w[i], cross(w[i], 0.1*w[j]))"
 """
+BESIDE = """[effects.along]
+over = "bond(i, j) of chain(n*n, open)"
+energy = "-dot(w[i], w[j])"
+"""
 
 
 @pytest.fixture
@@ -84,7 +88,13 @@ def test_what_is_lost_and_why(rows):
     assert found["easy"].lost == {"momentum": "conserved only along (0, 0, 1)"}
     assert set(found["pulse"].lost) == {"energy", "momentum"} and found["pulse"].lost["energy"] == "depends on the time"
     assert set(found["bath"].lost) == {"energy", "momentum", "symplectic", "reversible"}
-    assert found["drag"].lost == {**dict.fromkeys(("energy", "momentum", "symplectic"), "a torque does not derive from an energy"), "layout": "rows without it, sites with it"}
+    assert found["drag"].lost == dict.fromkeys(("energy", "momentum", "symplectic"), "a torque does not derive from an energy")
+
+
+def test_an_effect_that_prevents_rows(rows, tmp_path):
+    (tmp_path / "hot.toml").write_text(SCENE + BESIDE)
+    found = rows()
+    assert found["along"].lost["layout"] == "rows without it, sites with it" and "layout" not in found["exchange"].lost
 
 
 def test_times_with_and_without(rows):

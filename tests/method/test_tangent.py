@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from support import texts
+from support.features import ANYWHERE
 from support.strict import FEW_COMPILERS, REALS, compile_all, run_sanitized
 from support.systems import CLASSICAL, FREE_BODIES, SPECS, SPHERICAL, VESELOV, begin, tiers
 from support.tangent import derivative, frame, leaves_of, polished
@@ -20,7 +21,6 @@ from smidgen.compile.derive.derivatives import derive, hessian_blocks
 from smidgen.compile.derive.parts import Whole
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import RunError, UsageError
-from smidgen.compile.features import FEATURES
 from smidgen.language.c_names import in_c
 from smidgen.run.step.integrator import Integrator
 from smidgen.run.step.prepared import prepare, scene_of
@@ -216,9 +216,17 @@ def test_in_double_precision(name):
     assert np.abs(one.tangent(v) - expected).max() < 1e-13 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("feature", sorted(set(FEATURES) - {"tangent"}))
+@pytest.mark.parametrize("feature", sorted(set(ANYWHERE) - {"tangent"}))
 @pytest.mark.parametrize("name", tiers(["forced_rigid_body", "product"], (), ("forced_rigid_body",)))
 def test_beside_other_features(name, feature):
+    beside(name, feature)
+
+
+def test_beside_other_features_of_a_lattice():
+    beside("heisenberg_chain", "distributed")
+
+
+def beside(name, feature):
     case = begin(name)
     one = smidgen.build(case.spec, parameters=case.values, features=("tangent", feature))
     alone = smidgen.build(case.spec, parameters=case.values, features=TANGENT)

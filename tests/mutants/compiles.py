@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 from support import texts
+from support.features import ANYWHERE, DIVIDED
 from support.filters import HERE, WARNINGS
 
 import smidgen
@@ -57,7 +58,7 @@ def wanted(which: str):
     """(spec, method, solver, features): a few that use every template, or all there are."""
     if which == "few":
         yield from ((*one, ()) for one in FEW)
-        yield "heisenberg_chain", SPHERICAL, "auto", tuple(FEATURES)
+        yield from (("heisenberg_chain", SPHERICAL, "auto", features) for features in (ANYWHERE, DIVIDED))
         yield from ((*one, ()) for one in OTHERS if not METHODS[one[1]].variant)
         return
     names = [*(p.stem for p in sorted(folder("specs").glob("*.toml"))), *TEXTS,

@@ -1,4 +1,5 @@
 """Stop and go on: a saved state has all the bits, and a run that is killed ends as an unbroken one."""
+import itertools
 import signal
 import time
 
@@ -10,6 +11,7 @@ from smidgen.compile.features import FEATURES
 from smidgen.methods import METHODS
 from smidgen.run.step.saved import COUNT_HIGH, COUNT_LOW, DEGREE, H, HEAD, HISTORY, NEWTON_STEPS, PAST, SCALE, SIZE, TOLERANCE, Saved
 from support import crash
+from support.features import ANYWHERE
 from support.runs import FORMATS, chain_run, patient_disk, same_as_unbroken, unbroken     # noqa: F401
 from support.systems import CLASSICAL, FREE_BODIES, QUICK, SPECS, VESELOV, accepts, begin, model, tiers
 
@@ -36,8 +38,7 @@ def test_every_spec_goes_on(name):
     goes_on(model(case), model(case), case.w, case.h)
 
 
-@pytest.mark.parametrize("feature", FEATURES)
-@pytest.mark.parametrize("name", ["forced_rigid_body", "two_bodies"])
+@pytest.mark.parametrize("name, feature", [*itertools.product(["forced_rigid_body", "two_bodies"], ANYWHERE), ("heisenberg_chain", "distributed")])
 def test_every_feature_goes_on(name, feature):
     case = begin(name)
     goes_on(*(model(case, features=[feature]) for _ in range(2)), case.w, case.h)
@@ -65,13 +66,14 @@ def test_every_solver_goes_on(solver, real):
     goes_on(*(model(case, solver=solver, real=real) for _ in range(2)), case.w, case.h)
 
 
-def test_the_rest_from_sweeps_goes_on():
+@pytest.mark.parametrize("features, h", [((), 8.0), (("extended",), 1.5)], ids=["by rows", "from site to site"])
+def test_the_rest_from_sweeps_goes_on(features, h):
     """While sweeps do not settle, their trial is put off: the count of that is part of the state."""
     case = begin("heisenberg_chain", n=12)
-    one, other = model(case), model(case)
-    one.start(case.w.copy(), h=1.5).steps(3)
+    one, other = (model(case, features=features) for _ in range(2))
+    one.start(case.w.copy(), h=h).steps(3)
     assert one.save()[NEWTON_STEPS] > 0
-    goes_on(one, other, case.w, 1.5, before=3, after=300)
+    goes_on(one, other, case.w, h, before=3, after=300)
 
 
 @pytest.mark.parametrize("before", [0, 1, 3, 8, 57, 64, 129])

@@ -88,7 +88,7 @@ static inline void smg_add_increment(smg_state *s) {
 
 /* The state after the step. */
 static void smg_commit(smg_state *s) {
-  if (smg_time_to_choose(s)) smg_choose_degree(s);
+  if (smg_time_to_choose(s, SMG_HISTORY)) smg_choose_degree(s);
 #if SMG_EXTENDED
   smg_widen(s);
 #endif
