@@ -303,7 +303,7 @@ def test_what_all_find_is_said_once(film):
 def test_what_is_missing_is_said(film, monkeypatch, capsys):
     from smidgen.cli import main
     monkeypatch.setenv("MPICC", "no-such-mpicc")
-    with pytest.raises(MissingTool, match="several ranks need no-such-mpicc, .*libopenmpi-dev"):
+    with pytest.raises(MissingTool, match="running on several ranks requires no-such-mpicc, .*libopenmpi-dev"):
         mpi_compiler(("gcc",))
     monkeypatch.setenv(ranks.SIZE[0], "2")
     monkeypatch.setitem(sys.modules, "mpi4py", None)
