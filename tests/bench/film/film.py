@@ -31,7 +31,7 @@ from machine import write_table  # noqa: E402
 
 DOCS = HERE.parents[2] / "docs"
 BEGIN, END = "<!-- film: made by `python tests/bench/film/film.py` -->\n", "<!-- end of film -->"
-ERRORS = (1e-2, 1e-3, 1e-4, 1e-5)
+ERRORS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-9)
 COLUMNS = ("program", "method", "h_fs", "error", "seconds", "ns_per_spin_and_step")
 PIECES, STEPS = 4, (10, 20, 40, 80, 160)
 REFERENCE, CHECK = ("gauss-8", "0", 160), ("gauss-6", "0", 320)
