@@ -166,7 +166,7 @@ def test_ranks_that_send_messages_have_the_same_bits(tmp_path, name):
 @pytest.mark.parametrize("right, wrong", [("inner = {all.from + first, all.to - last}", "inner = {all.from, all.to - last}"), ("inner = {all.from + first, all.to - last}", "inner = {all.from + first, all.to}"),
                                           ("inner = {all.from + first", "inner = {all.from + first")], ids=["the first ones", "the last ones", "nothing"])
 def test_ends_are_turned_before_they_are_sent(tmp_path, right, wrong):
-    programs(tmp_path, SPECS["plain cubic"], *SMALL, right=right, wrong=wrong)
+    programs(tmp_path, LONG["long cubic"], *SMALL, right=right, wrong=wrong)
     subprocess.run(["./serial", "serial"], cwd=tmp_path, check=True, env={**os.environ, **MPI})
     said = mpirun(2, "./shared", "of2", cwd=tmp_path)
     agree = said.returncode == 0 and (tmp_path / "of2.0").read_bytes() == (tmp_path / "serial.0").read_bytes()
