@@ -25,7 +25,7 @@ from ..language.spec import Lattice
 from ..system import sync_folder
 from .files.checkpoint import CheckpointError
 from .files.output import RESERVED, known_format, result_of
-from .files.places import Place, finish, lay_out, write_at
+from .files.places import finish, lay_out, standing, write_at
 from .files.recorded import recorded
 from .record.conserved import driven, energy_of, with_tracers
 from .record.record import columns_of
@@ -34,6 +34,8 @@ from .settings import Settings, settle
 from .step.divided import divided
 from .step.pace import Pace
 
+# What newest.json says: steps of the state, outputs, seconds so far, the energy of the first output (or null) and its largest deviation, steps between checkpoints.
+NEWEST = {"count": int, "rows": int, "seconds": float, "first": (float, type(None)), "largest": float, "checkpoint": int}
 OF_OUTPUTS = ("states", "energy", "momentum")     # and observables
 
 
@@ -133,9 +135,20 @@ class Store:
     def read(self):
         """(metadata, newest checkpoint) of the run to go on with. Raises CheckpointError."""
         try:
-            return tuple(json.loads((self.folder / name).read_text()) for name in ("run.json", "newest.json"))
+            meta, newest = (json.loads((self.folder / name).read_text()) for name in ("run.json", "newest.json"))
         except (OSError, ValueError):
             raise CheckpointError(f"there is no checkpoint of {self.out} in {self.folder}") from None
+        if not (isinstance(meta, dict) and isinstance(newest, dict) and newest.keys() == NEWEST.keys()
+                and all(isinstance(newest[key], kind) for key, kind in NEWEST.items())):
+            raise CheckpointError(f"{self.folder}/newest.json is not a checkpoint of a distributed run")
+        return meta, newest
+
+    def found(self, work):
+        """work(), which reads a file of the checkpoint. Raises CheckpointError where it is not there, or another."""
+        try:
+            return work()
+        except (OSError, ValueError):
+            raise CheckpointError(f"the files in {self.folder} are not those of the checkpoint") from None
 
     def create(self, meta: dict, arrays: dict) -> dict:
         """Begin a run; name -> Place of its arrays."""
@@ -172,9 +185,13 @@ class Store:
         if ranks.first() and not (self.folder / "newest.json").exists():
             shutil.rmtree(self.folder, ignore_errors=True)
 
-    def write_state(self, model, name: str) -> None:
+    def state(self, count: int) -> Path:
+        """The saved state after `count` steps."""
+        return self.folder / f"state-{count}.bin"
+
+    def write_state(self, model) -> None:
         """This rank's part of a saved state, on the disk."""
-        handle = os.open(self.folder / name, os.O_WRONLY | os.O_CREAT, 0o666)
+        handle = os.open(self.state(model.count), os.O_WRONLY | os.O_CREAT, 0o666)
         try:
             for begin, numbers in model.save_parts():
                 write_at(handle, numbers, begin * model.real.itemsize)
@@ -237,9 +254,10 @@ class Rows:
             on_all(store, store.open)
             return
         self.count, self.seconds, self.first, self.largest = newest["rows"], newest["seconds"], newest["first"], newest["largest"]
-        self.places = {name: Place(offset, tuple(shape), np.dtype(kind)) for name, (offset, shape, kind) in newest["places"].items()}
+        self.places = ranks.on_first(lambda: store.found(lambda: standing(store.file, self.arrays())))
+        state = ranks.on_all(lambda: store.found(lambda: np.memmap(store.state(newest["count"]), model.real, "r")))
         on_all(store, store.open)
-        model.restore(np.memmap(store.folder / newest["state"], model.real, "r"))
+        model.restore(state)
 
     def is_due(self, step: int) -> bool:
         """Is there an output of this step that has not been written?"""
@@ -272,16 +290,16 @@ class Rows:
 
     def save(self, seconds: float) -> None:
         """A checkpoint: the rows and the state of all ranks are on the disk before it counts."""
-        store, name = self.store, f"state-{self.model.count}.bin"
-        on_all(store, lambda: (store.write_state(self.model, name), os.fsync(store.handle)))
-        facts = {"state": name, "rows": self.count, "seconds": seconds, "first": self.first, "largest": self.largest,
-                 "checkpoint": self.settings.checkpoint, "places": {key: [place.offset, place.shape, place.kind.str] for key, place in self.places.items()}}
+        store, count = self.store, self.model.count
+        on_all(store, lambda: (store.write_state(self.model), os.fsync(store.handle)))
+        facts = {"count": count, "rows": self.count, "seconds": seconds, "first": self.first, "largest": self.largest,
+                 "checkpoint": self.settings.checkpoint}
         on_first(store, lambda: self.count_on(facts))
 
     def count_on(self, facts) -> None:
         self.store.put("newest.json", facts)
         for old in self.store.folder.glob("state-*.bin"):
-            if old.name != facts["state"]:
+            if old != self.store.state(facts["count"]):
                 old.unlink()
 
     def close(self, status: str, began: float):

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
 import smidgen
@@ -72,7 +73,7 @@ def test_ranks_write_what_one_writes(magnet):
     assert same(magnet.where / "one.h5", magnet.where / "two.h5") and said.stdout.count("wrote two.h5") == 1
     assert magnet(2, *GIVEN, "--out", "again.h5", "--distributed", "--checkpoint", "3", FAULT="kill").returncode == 9
     folder = magnet.where / "again.h5.distributed"
-    assert json.loads((folder / "newest.json").read_text())["state"] == "state-6.bin" and not (magnet.where / "again.h5").exists()
+    assert json.loads((folder / "newest.json").read_text())["count"] == 6 and not (magnet.where / "again.h5").exists()
     said = magnet(3, "--resume", "again.h5")
     assert said.returncode == 0, said.stderr
     assert same(magnet.where / "one.h5", magnet.where / "again.h5") and not folder.exists()
@@ -97,6 +98,24 @@ def test_what_cannot_be_written_leaves_no_trace(magnet):
     said = subprocess.run(["bash", "-c", words], cwd=magnet.where, capture_output=True, text=True, env={**os.environ, **MPI})
     assert said.returncode == 8 and "cannot write b.h5" in said.stderr
     assert sorted(path.name for path in magnet.where.iterdir()) == before
+
+
+@needs_mpi4py
+@pytest.mark.long
+def test_a_checkpoint_that_is_another_is_refused(magnet):
+    """Neither a path nor a place in a file is taken from what lies there."""
+    assert magnet(2, *GIVEN, "--out", "a.h5", "--distributed", "--checkpoint", "2", FAULT="error").returncode == 2
+    folder = magnet.where / "a.h5.distributed"
+    good = json.loads((folder / "newest.json").read_text())
+    for wrong in ({"count": "../state"}, {"count": 10**9}, {"rows": None}, {"more": 1}):
+        (folder / "newest.json").write_text(json.dumps({**good, **wrong}))
+        said = magnet(1, "--resume", "a.h5")
+        assert said.returncode in (2, 8) and "checkpoint" in said.stderr and "Traceback" not in said.stderr
+    (folder / "newest.json").write_text(json.dumps(good))
+    with h5py.File(folder / "result.h5", "w") as other:
+        other["final"] = 1.0
+    said = magnet(1, "--resume", "a.h5")
+    assert said.returncode in (2, 8) and "not those of the checkpoint" in said.stderr
 
 
 REFUSED = [(("--out", "a.npz"), "writes HDF5 in parts"), ((), "writes HDF5 in parts"),

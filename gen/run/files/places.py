@@ -40,6 +40,16 @@ def lay_out(path: Path, arrays: dict) -> dict:
     return found
 
 
+def standing(path: Path, arrays: dict) -> dict:
+    """name -> Place in a file of `lay_out`. Raises OSError or ValueError where it is not that of these arrays."""
+    h5py = needed("h5py", "HDF5")
+    with h5py.File(path, "r") as h5:
+        found = {name: h5[name] if name in h5 else None for name in arrays}
+        if not all(isinstance(one, h5py.Dataset) and (one.shape, one.dtype) == arrays[name] and one.id.get_offset() is not None for name, one in found.items()):
+            raise ValueError("other arrays")
+        return {name: Place(one.id.get_offset(), *arrays[name]) for name, one in found.items()}
+
+
 def contiguous(h5, name: str, shape, kind) -> int:
     """A data set in one piece, not filled; where it begins."""
     h5py = needed("h5py", "HDF5")
