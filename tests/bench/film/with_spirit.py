@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import scene
-from spirit import configuration, constants, hamiltonian, simulation, state, system
+from spirit import constants, hamiltonian, simulation, state, system
 from spirit.parameters import llg
 
 SOLVERS = {"semi-implicit B": simulation.SOLVER_SIB, "Depondt": simulation.SOLVER_DEPONDT, "Heun": simulation.SOLVER_HEUN, "Runge-Kutta 4": simulation.SOLVER_RK4}
