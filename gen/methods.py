@@ -187,7 +187,7 @@ METHODS = {m.name: m for m in (
              f"Dormand-Prince 8(5,3){said}, explicit, with step control (not symplectic)", 8, "smg_dop853.h",
              keeps_quadratic=False, keeps_leaf=bool(kind), controlled=True, by_field=True, symmetric=False, solvers=("auto",), features=(), asks=(GRADIENT,), midpoint=False,
              how=("explicit", "twelve stages; steps within h to a tolerance of 1e-12"),
-             arrays=(("stages", 45, 4, "stages, and where the last step within h began"),), defines=(("SMG_PROJECT", int(bool(kind))),),
+             arrays=(("stages", 42, 1, "stages, and the size of the last step within h"),), defines=(("SMG_PROJECT", int(bool(kind))),),
              lane_header="smg_lane_dop853.h")
       for kind, said in (("", ""), ("-projected", " with projection onto the leaves"))),
     *SPLITTINGS,

@@ -14,7 +14,8 @@
 #define SMG_WIDE_SMALL (SMG_EPS / 16777216) /* 2^-24: a leftover, all of one sign, that 1e8 steps do not show */
 
 /* s of m = P(mbar) = s mbar. */
-static inline smg_wide smg_wide_scale_of(const smg_state *s, int64_t k, const smg_wide *w, const smg_wide *mbar) {
+static inline smg_wide smg_wide_scale_of(SMG_UNUSED const smg_state *s, SMG_UNUSED int64_t k,
+                                         SMG_UNUSED const smg_wide *w, SMG_UNUSED const smg_wide *mbar) {
 #if SMG_ONTO_LEAF
   const smg_coefficients *c = &s->c;
   const smg_wide_coefficients *wide = &s->wide;
@@ -33,7 +34,7 @@ static inline smg_wide smg_wide_scale_of(const smg_state *s, int64_t k, const sm
   return smg_wide_mul(smg_wide_radius(c, wide, k), smg_wide_rsqrt(square));
 #endif
 #else
-  return (void)s, (void)k, (void)w, (void)mbar, smg_wide_of(1);
+  return smg_wide_of(1);
 #endif
 }
 

@@ -20,7 +20,7 @@ typedef struct smg_told {
 #endif
 } smg_told;
 
-SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
+SMG_INLINE smg_told smg_told_of(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k) {
   smg_told told;
 #if SMG_LAW_BY_SITE
   smg_real r[SMG_RESPONSE_SIZE];
@@ -29,7 +29,6 @@ SMG_INLINE smg_told smg_told_of(const smg_coefficients *c, int64_t k) {
 #elif SMG_TOLD
   smg_law(c, k, told.r);
 #else
-  (void)c, (void)k;
   told.none = 0;
 #endif
   return told;
@@ -55,12 +54,12 @@ SMG_INLINE smg_told smg_told_of_slots(smg_told told, const smg_real *values, int
 #endif
 
 /* R = F + m x Q, in `room`. */
-SMG_INLINE const smg_lanes *smg_lane_respond(const smg_told *told, const smg_lanes *m, const smg_lanes *g,
-                                             smg_lanes *room) {
+SMG_INLINE const smg_lanes *smg_lane_respond(SMG_UNUSED const smg_told *told, SMG_UNUSED const smg_lanes *m,
+                                             const smg_lanes *g, SMG_UNUSED smg_lanes *room) {
 #if SMG_TOLD
   return smg_lane_told_respond(told->r, m, g, room);
 #else
-  return (void)told, (void)m, (void)room, g;
+  return g;
 #endif
 }
 

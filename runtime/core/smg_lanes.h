@@ -116,7 +116,7 @@ SMG_INLINE void smg_lane_extract(const smg_lanes *from, int l, smg_real *to, int
   for (int k = 0; k < n; ++k) to[k] = smg_lane_get(from + k, l);
 }
 #if SMG_LANES == 1
-SMG_INLINE int smg_lane_holds(smg_lane_mask test, int l) { return (void)l, test != 0; }
+SMG_INLINE int smg_lane_holds(smg_lane_mask test, SMG_UNUSED int l) { return test != 0; }
 SMG_INLINE int smg_lane_any(smg_lane_mask test) { return test != 0; }
 #else
 SMG_INLINE int smg_lane_holds(smg_lane_mask test, int l) { return test[l] != 0; }
@@ -143,10 +143,9 @@ SMG_INLINE void smg_lane_put_all(smg_lanes *a, smg_real x) { *a = smg_lane_of(x)
 #include "smg_in_numbers.h"
 
 /* smg_add_step in lanes; what its components have lost is at `lost`, and then at `to`, a pitch apart. */
-SMG_INLINE void smg_lane_add_step(int64_t n, smg_lanes *w, const smg_real *lost, smg_real *to, int64_t pitch,
-                                  const smg_lanes *u) {
+SMG_INLINE void smg_lane_add_step(int64_t n, smg_lanes *w, SMG_UNUSED const smg_real *lost, SMG_UNUSED smg_real *to,
+                                  SMG_UNUSED int64_t pitch, const smg_lanes *u) {
 #if SMG_PLAIN_SUMS
-  (void)lost, (void)to, (void)pitch;
   smg_lane_axpy(w, smg_lane_of(1), u, n);
 #else
   for (int64_t k = 0; k < n; ++k) {

@@ -97,33 +97,31 @@ static inline void smg_respond_all(const smg_coefficients *c, const smg_real *w,
 }
 
 #else
-SMG_INLINE const smg_real *smg_respond(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
-                                       smg_real *room) {
-  return (void)c, (void)k, (void)m, (void)room, g;
+SMG_INLINE const smg_real *smg_respond(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k,
+                                       SMG_UNUSED const smg_real *m, const smg_real *g, SMG_UNUSED smg_real *room) {
+  return g;
 }
 
-SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t k, const smg_real *m,
-                                              const smg_real *y, smg_real *room) {
-  return (void)c, (void)k, (void)m, (void)room, y;
+SMG_INLINE const smg_real *smg_respond_change(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k,
+                                              SMG_UNUSED const smg_real *m, const smg_real *y,
+                                              SMG_UNUSED smg_real *room) {
+  return y;
 }
 
-SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_real *m, smg_real *row) {
-  (void)c, (void)k, (void)m, (void)row;
+SMG_INLINE void smg_respond_row(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k,
+                                SMG_UNUSED const smg_real *m, SMG_UNUSED smg_real *row) {}
+
+SMG_INLINE void smg_respond_turn(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k,
+                                 SMG_UNUSED const smg_real *m, SMG_UNUSED const smg_real *g,
+                                 SMG_UNUSED const smg_real *d, SMG_UNUSED smg_real *turned) {}
+
+SMG_INLINE smg_real smg_respond_norm(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k, const smg_real *m,
+                                     const smg_real *g, smg_real radius, smg_real norm) {
+  return norm * radius + smg_abs(smg_dot(m, g)) / radius;
 }
 
-SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
-                                 const smg_real *d, smg_real *turned) {
-  (void)c, (void)k, (void)m, (void)g, (void)d, (void)turned;
-}
-
-SMG_INLINE smg_real smg_respond_norm(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
-                                     smg_real radius, smg_real norm) {
-  return (void)c, (void)k, norm * radius + smg_abs(smg_dot(m, g)) / radius;
-}
-
-SMG_INLINE void smg_respond_all(const smg_coefficients *c, const smg_real *w, smg_real *g) {
-  (void)c, (void)w, (void)g;
-}
+SMG_INLINE void smg_respond_all(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED const smg_real *w,
+                                SMG_UNUSED smg_real *g) {}
 #endif
 
 #endif

@@ -47,8 +47,8 @@ static inline int smg_newton_steps(const smg_state *s) { return s->newton_steps;
 static inline void smg_set_newton_steps(smg_state *s, int steps) { s->newton_steps = steps; }
 #else
 #define SMG_SAVED_MOST_STEPS 0
-static inline int smg_newton_steps(const smg_state *s) { return (void)s, 0; }
-static inline void smg_set_newton_steps(smg_state *s, int steps) { (void)s, (void)steps; }
+static inline int smg_newton_steps(SMG_UNUSED const smg_state *s) { return 0; }
+static inline void smg_set_newton_steps(SMG_UNUSED smg_state *s, SMG_UNUSED int steps) {}
 #endif
 #ifndef SMG_SAVED_LEAST_STEPS
 #define SMG_SAVED_LEAST_STEPS 0
@@ -147,9 +147,9 @@ static inline int smg_good_degree(smg_real degree, smg_real history) {
 /* The part of the radius by which steps may have moved w off its sphere: none in the beginning; then by far more than
  * round-off and tolerance do, and half of it at most. Methods that do not keep leaves (SMG_LEAVES_DRIFT) go
  * anywhere. */
-static inline smg_real smg_saved_off_sphere(const smg_real *in) {
+static inline smg_real smg_saved_off_sphere(SMG_UNUSED const smg_real *in) {
 #if SMG_LEAVES_DRIFT
-  return (void)in, SMG_MAX;
+  return SMG_MAX;
 #else
   const smg_real count = in[SMG_SAVED_COUNT_HIGH] * 4294967296 + in[SMG_SAVED_COUNT_LOW];
   return smg_min((smg_real)0.5, SMG_OFF_SPHERE + count * ((smg_real)1e-9 + 8 * in[SMG_SAVED_TOLERANCE]));

@@ -106,9 +106,8 @@ SMG_INLINE void smg_middle(int64_t n, const smg_real *w, const smg_real *compens
 }
 
 /* The end of a step: w + u, compensated where sums are, of n components. */
-static inline void smg_add_step(int64_t n, smg_real *w, smg_real *compensation, const smg_real *u) {
+static inline void smg_add_step(int64_t n, smg_real *w, SMG_UNUSED smg_real *compensation, const smg_real *u) {
 #if SMG_PLAIN_SUMS
-  (void)compensation;
   smg_axpy(w, 1, u, n);
 #else
   for (int64_t k = 0; k < n; ++k) smg_add_compensated(w + k, compensation + k, u[k]);

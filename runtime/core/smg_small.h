@@ -15,6 +15,13 @@
 #endif
 #endif
 
+/* An argument that not every answer to a contract, or not every model, needs. */
+#if defined(__GNUC__)
+#define SMG_UNUSED __attribute__((unused))
+#else
+#define SMG_UNUSED
+#endif
+
 /* A function that stays out of its callers. */
 #if defined(__GNUC__)
 #define SMG_APART __attribute__((noinline))

@@ -29,11 +29,10 @@ static inline smg_real smg_time_at(const smg_state *s, smg_real part) {
 }
 
 /* What depends on time, at that of a part more than the steps taken. */
-static inline void smg_set_time_at(smg_coefficients *c, const smg_state *s, smg_real part) {
+static inline void smg_set_time_at(SMG_UNUSED smg_coefficients *c, SMG_UNUSED const smg_state *s,
+                                   SMG_UNUSED smg_real part) {
 #if SMG_TIMED
   smg_set_time(c, smg_time_at(s, part));
-#else
-  (void)c, (void)s, (void)part;
 #endif
 }
 
@@ -219,13 +218,13 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
 }
 
 /* Steps of divided memory go by rows, or not at all. */
-static inline int smg_may_begin(smg_state *s) {
+static inline int smg_may_begin(SMG_UNUSED smg_state *s) {
 #if SMG_IN_PARTS
   smg_set_size(s, smg_signed_h(s->h));
   smg_choose_rows(s);
   return s->rows || !smg_is_divided();
 #else
-  return (void)s, 1;
+  return 1;
 #endif
 }
 

@@ -134,7 +134,7 @@ SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, i
 }
 
 /* smg_respond_norm */
-SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, const smg_lanes *g, smg_lanes r,
+SMG_INLINE smg_lanes smg_few_norm(SMG_UNUSED const smg_told *told, const smg_lanes *m, const smg_lanes *g, smg_lanes r,
                                   smg_lanes norms) {
 #if SMG_RESPONDS
   smg_lanes F[3], Q[3];
@@ -142,7 +142,7 @@ SMG_INLINE smg_lanes smg_few_norm(const smg_told *told, const smg_lanes *m, cons
   return (smg_abs(told->r[0]) + r * smg_abs(told->r[1])) * norms * r + smg_lane_abs(smg_lane_dot(m, F)) / r +
          smg_lane_abs(smg_lane_dot(m, Q));
 #else
-  return (void)told, r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
+  return r * norms + smg_lane_abs(smg_lane_dot(m, g)) / r;
 #endif
 }
 

@@ -18,7 +18,7 @@ SMG_INLINE smg_inverse smg_inverse_at(smg_inverses all, int64_t slot) { return s
 #else
 typedef smg_real smg_inverses;
 SMG_INLINE smg_inverses smg_inverses_of(const smg_state *s) { return smg_inverse_square(&s->c); }
-SMG_INLINE smg_inverse smg_inverse_at(smg_inverses all, int64_t slot) { return (void)slot, all; }
+SMG_INLINE smg_inverse smg_inverse_at(smg_inverses all, SMG_UNUSED int64_t slot) { return all; }
 #endif
 
 /* An array by slots, from *next on. */

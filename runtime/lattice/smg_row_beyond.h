@@ -138,7 +138,7 @@ SMG_INLINE void smg_increment_of_slot(void *context, int64_t site, int64_t slot)
 static void smg_increments_to_sites(smg_state *s) { smg_each_slot(&s->c, s, smg_increment_of_slot); }
 
 /* What the sweeps left is no proof: the matrix at their midpoints gives one, or Newton goes on from there. */
-static smg_status smg_go_on_by_newton(smg_state *s, smg_real h, int solved) {
+static smg_status smg_go_on_by_newton(smg_state *s, smg_real h, SMG_UNUSED int solved) {
   smg_sweep_midpoints(s, h);
 #if SMG_MATRIX_FREE
   smg_assemble(s, h);
@@ -146,8 +146,6 @@ static smg_status smg_go_on_by_newton(smg_state *s, smg_real h, int solved) {
     smg_increments_to_sites(s); /* the matrix took another evaluation */
     return SMG_OK;
   }
-#else
-  (void)solved;
 #endif
   return smg_newton(s, h); /* which finds it solved, and checks the branch */
 }

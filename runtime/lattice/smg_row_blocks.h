@@ -62,9 +62,9 @@ static int smg_find_blocks(const smg_coefficients *c, smg_blocks *b) {
 #endif
 
 /* Does the lattice stand in blocks? Where it is small, has no empty slots, and is not shared by ranks. */
-static int smg_in_blocks(const smg_coefficients *c, smg_blocks *b) {
+static int smg_in_blocks(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED smg_blocks *b) {
 #if defined(SMG_MPI)
-  return (void)c, (void)b, 0;
+  return 0;
 #else
   return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO &&
          !smg_meet_at_seam(c) && smg_find_blocks(c, b);

@@ -25,11 +25,11 @@ typedef struct smg_turning {
 } smg_turning;
 
 /* The response of the sites in the slots of one vector. */
-SMG_INLINE smg_told smg_told_at(const smg_turning turn, int64_t slot) {
+SMG_INLINE smg_told smg_told_at(const smg_turning turn, SMG_UNUSED int64_t slot) {
 #if SMG_LAW_BY_SITE
   return smg_told_of_slots(turn.told, turn.values + slot, turn.pitch);
 #else
-  return (void)slot, turn.told;
+  return turn.told;
 #endif
 }
 

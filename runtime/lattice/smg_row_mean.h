@@ -128,9 +128,9 @@ static int smg_mean_shows(const smg_state *s, smg_besides *known, const smg_turn
   return smg_krylov_coercive(&mean, spread);
 }
 #else
-static inline int smg_mean_shows(const smg_state *s, smg_besides *known, const smg_turning turn, smg_real B,
-                                 smg_real *q) {
-  return (void)s, (void)known, (void)turn, (void)B, (void)q, 0;
+static inline int smg_mean_shows(SMG_UNUSED const smg_state *s, SMG_UNUSED smg_besides *known,
+                                 SMG_UNUSED const smg_turning turn, SMG_UNUSED smg_real B, SMG_UNUSED smg_real *q) {
+  return 0;
 }
 #endif
 

@@ -64,12 +64,11 @@ SMG_INLINE void smg_each_own_slot(const smg_coefficients *c, void *context,
 }
 
 /* Memory in whole pages within some numbers: of 2 MB where there are such pages (madvise), or given back, to be 0. */
-static void smg_advise(const smg_real *first, int64_t numbers, uintptr_t page, int advice) {
+static void smg_advise(SMG_UNUSED const smg_real *first, SMG_UNUSED int64_t numbers, SMG_UNUSED uintptr_t page,
+                       SMG_UNUSED int advice) {
 #if defined(MADV_HUGEPAGE)
   const uintptr_t from = ((uintptr_t)first + page - 1) / page * page, to = (uintptr_t)(first + numbers) / page * page;
   if (from < to) (void)madvise((void *)from, (size_t)(to - from), advice);
-#else
-  (void)first, (void)numbers, (void)page, (void)advice;
 #endif
 }
 #if !defined(MADV_HUGEPAGE)

@@ -40,7 +40,7 @@ SMG_INLINE int smg_some_small(smg_real small, const smg_lanes *w) {
 
 /* The spin w and the field g = (h/2 kappa) b of precession, from w and the gradient b; with a response w - r^2 P and G
  * (smg_own_response.h). */
-SMG_INLINE void smg_precess(const smg_turning turn, int64_t slot, smg_lanes *w, smg_lanes *g) {
+SMG_INLINE void smg_precess(const smg_turning turn, SMG_UNUSED int64_t slot, SMG_UNUSED smg_lanes *w, smg_lanes *g) {
 #if SMG_TOLD
   const smg_told told = smg_told_at(turn, slot);
   smg_lanes F[3], Q[3];
@@ -53,17 +53,16 @@ SMG_INLINE void smg_precess(const smg_turning turn, int64_t slot, smg_lanes *w, 
   const smg_lanes none = {0};
   smg_lane_axpy(w, -turn.half / smg_inverse_at(turn.inverses, slot) - none, Q, 3);
 #else
-  (void)slot, (void)w;
   smg_lane_scale(g, smg_lane_of(turn.half), 3);
 #endif
 }
 
 /* |w|^2/r^2 of such a spin. */
-SMG_INLINE smg_lanes smg_precessing(smg_inverse inverse, const smg_lanes *w) {
+SMG_INLINE smg_lanes smg_precessing(SMG_UNUSED smg_inverse inverse, SMG_UNUSED const smg_lanes *w) {
 #if SMG_TOLD
   return inverse * smg_lane_dot(w, w);
 #else
-  return (void)inverse, (void)w, smg_lane_of(1);
+  return smg_lane_of(1);
 #endif
 }
 

@@ -89,8 +89,9 @@ static int smg_weights_show(const smg_state *s, smg_besides *known, const smg_re
   return 0;
 }
 #else
-static inline int smg_weights_show(const smg_state *s, smg_besides *known, const smg_real *t, smg_real *d) {
-  return (void)s, (void)known, (void)t, (void)d, 0;
+static inline int smg_weights_show(SMG_UNUSED const smg_state *s, SMG_UNUSED smg_besides *known,
+                                   SMG_UNUSED const smg_real *t, SMG_UNUSED smg_real *d) {
+  return 0;
 }
 #endif
 

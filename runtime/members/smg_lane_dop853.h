@@ -16,17 +16,16 @@
 
 #if SMG_LANES > 1
 
-/* SMG_LANES states under way: the vectors of smg_vector() up to SMG_Y_COMPENSATION, and the increment. */
+/* SMG_LANES states under way: the vectors of smg_vector(), and the increment. */
 typedef struct smg_lane_trial {
-  smg_lanes stages[3 * SMG_Y_BEFORE], u[3];
+  smg_lanes stages[3 * SMG_STAGE_VECTORS], u[3];
   smg_lane_coefficients c;
 } smg_lane_trial;
 
 SMG_INLINE smg_lanes *smg_lane_vector(smg_lane_trial *f, int i) { return f->stages + 3 * i; }
-SMG_INLINE int64_t smg_lane_width(const smg_lane_trial *f) { return (void)f, 3; }
-SMG_INLINE void smg_lane_trial_slope(smg_lane_trial *f, smg_lanes part, smg_lanes size, const smg_lanes *w,
+SMG_INLINE int64_t smg_lane_width(SMG_UNUSED const smg_lane_trial *f) { return 3; }
+SMG_INLINE void smg_lane_trial_slope(smg_lane_trial *f, SMG_UNUSED smg_lanes part, smg_lanes size, const smg_lanes *w,
                                      smg_lanes *k) {
-  (void)part;
   smg_lane_vec_store(k, smg_lane_motion(&f->c, smg_lane_vec_load(w), size));
 }
 
@@ -115,7 +114,7 @@ static void smg_lane_take_up(smg_lane_group *f, int l, smg_state *s) {
   smg_lane_insert(smg_lane_vector(&f->trial, SMG_Y_COMPENSATION), l, s->compensation, 3);
   smg_lane_insert(f->w, l, s->w, 3);
   smg_lane_insert(f->compensation, l, s->compensation, 3);
-  smg_lane_set(&f->natural_before, l, smg_kept(s)[SMG_NATURAL]);
+  smg_lane_set(&f->natural_before, l, *smg_natural(s));
   smg_lane_set(&f->pace.natural, l, pace.natural);
   smg_lane_set(&f->pace.per_allowed, l, pace.per_allowed);
   smg_lane_set(&f->pace.done, l, 0);
@@ -131,8 +130,7 @@ static void smg_lane_put_back(const smg_lane_group *f, int l) {
   smg_state *s = f->state[l];
   smg_lane_extract(f->w, l, s->w, 3);
   smg_lane_extract(f->compensation, l, s->compensation, 3);
-  smg_kept(s)[SMG_NATURAL] = smg_lane_get(&f->natural_before, l);
-  smg_kept(s)[SMG_LAST_SIZE] = smg_kept(s)[SMG_EXTRA_READY] = 0;
+  *smg_natural(s) = smg_lane_get(&f->natural_before, l);
   s->count = f->count[l];
 }
 
@@ -222,11 +220,10 @@ static int smg_dop853_lanes_begin(smg_lane_group *f, smg_queue *q) {
 }
 
 /* count steps of those states that have not failed. */
-static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int alike) {
+static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, SMG_UNUSED int alike) {
   smg_lane_group f[SMG_LANE_GROUPS];
   smg_queue q = {s, s + members, count};
   int groups = 0, busy = count > 0;
-  (void)alike;
   for (int k = 0; k < SMG_LANE_GROUPS && busy; ++k) {
     busy = smg_dop853_lanes_begin(f + k, &q);
     groups += busy;

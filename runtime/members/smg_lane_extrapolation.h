@@ -75,13 +75,11 @@ static void smg_groups_step(smg_group *g, int groups) {
   }
 }
 
-static inline void smg_group_clear(smg_group *g) { (void)g; }
-static inline void smg_lane_take_up(smg_group *g, int l, const smg_state *s, int newest) {
-  (void)g, (void)l, (void)s, (void)newest;
-}
-static inline void smg_lane_put_back(const smg_group *g, int l, smg_state *s) { (void)g, (void)l, (void)s; }
-static inline void smg_lane_report(const smg_group *g, int l, smg_state *s) {
-  (void)g, (void)l;
+static inline void smg_group_clear(SMG_UNUSED smg_group *g) {}
+static inline void smg_lane_take_up(SMG_UNUSED smg_group *g, SMG_UNUSED int l, SMG_UNUSED const smg_state *s,
+                                    SMG_UNUSED int newest) {}
+static inline void smg_lane_put_back(SMG_UNUSED const smg_group *g, SMG_UNUSED int l, SMG_UNUSED smg_state *s) {}
+static inline void smg_lane_report(SMG_UNUSED const smg_group *g, SMG_UNUSED int l, smg_state *s) {
   s->report.site = s->report.partner = -1;
 }
 

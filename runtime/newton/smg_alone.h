@@ -141,16 +141,14 @@ static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real 
 }
 
 /* Newton's matrix of the method at e; returns the largest row sum of abs(J - I). */
-SMG_INLINE smg_real smg_site_linearise(const smg_state *s, smg_real h, int64_t k, const smg_real *u,
-                                       smg_site_equation *e) {
+SMG_INLINE smg_real smg_site_linearise(const smg_state *s, SMG_UNUSED smg_real h, int64_t k,
+                                       SMG_UNUSED const smg_real *u, smg_site_equation *e) {
   smg_site_matrix(s, e->rate, k, e);
 #if SMG_DIVIDED
   for (int l = 0; l < SMG_BS; ++l) {
     const smg_real slope = smg_divisor_slope(&s->c, k, h, e->g, e->curved + 3 * l, e->q, e->root);
     for (int n = 0; n < SMG_BS; ++n) e->J[SMG_BS * n + l] -= 0.5 * u[n] * slope;
   }
-#else
-  (void)h, (void)u;
 #endif
   return smg_bound(SMG_BS, e->J);
 }

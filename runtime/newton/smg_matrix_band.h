@@ -30,9 +30,8 @@ static inline int smg_coercive(const smg_state *s) {
 }
 
 /* The matrix for many right-hand sides: each factors it anew, and leaves it as it is. */
-static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
+static inline int64_t smg_solve_kept(const smg_state *s, SMG_UNUSED const smg_real *keep) {
   int sign;
-  (void)keep;
   return smg_factor(s, &sign);
 }
 

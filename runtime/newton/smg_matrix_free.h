@@ -143,8 +143,7 @@ static inline int smg_coercive(const smg_state *s) {
 }
 
 /* The matrix for many right-hand sides: nothing is kept. */
-static inline int64_t smg_solve_kept(const smg_state *s, const smg_real *keep) {
-  (void)keep;
+static inline int64_t smg_solve_kept(const smg_state *s, SMG_UNUSED const smg_real *keep) {
   return smg_solve_free(s, SMG_KRYLOV_ROUNDOFF, SMG_KRYLOV_PRODUCTS);
 }
 

@@ -6,8 +6,8 @@
 #include "smg_model.h"
 #include "smg_sparse.h"
 
-static inline int64_t smg_kept_size(const smg_coefficients *c) {
-  return (void)c, (int64_t)SMG_BB * smg_rows[SMG_ORDER];
+static inline int64_t smg_kept_size(SMG_UNUSED const smg_coefficients *c) {
+  return (int64_t)SMG_BB * smg_rows[SMG_ORDER];
 }
 
 static inline void smg_clear(const smg_state *s) { smg_zero(s->A, smg_kept_size(&s->c)); }

@@ -4,14 +4,8 @@
 
 #include "smg_model.h"
 
-static inline int64_t smg_kept_size(const smg_coefficients *c) {
-  (void)c;
-  return 0;
-}
+static inline int64_t smg_kept_size(SMG_UNUSED const smg_coefficients *c) { return 0; }
 
-static inline int64_t smg_keep_matrix(smg_state *s, smg_real *keep) {
-  (void)s, (void)keep;
-  return 0;
-}
+static inline int64_t smg_keep_matrix(SMG_UNUSED smg_state *s, SMG_UNUSED smg_real *keep) { return 0; }
 
 #endif

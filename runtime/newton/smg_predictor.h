@@ -24,7 +24,9 @@ static inline int smg_time_to_choose(const smg_state *s, int full) { return s->h
 
 /* How many increments a degree takes, and the weight of the j-th. */
 static inline int smg_terms(int degree) { return degree + 1; }
-static inline smg_real smg_past_weight(const smg_state *s, int degree, int j) { return (void)s, smg_weight(degree, j); }
+static inline smg_real smg_past_weight(SMG_UNUSED const smg_state *s, int degree, int j) {
+  return smg_weight(degree, j);
+}
 
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;

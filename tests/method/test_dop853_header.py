@@ -115,45 +115,26 @@ def density(tree):
 
 
 class Tableau:
-    """All sixteen stages, and the weights of the tree conditions."""
+    """All stages, and the weights of the tree conditions."""
 
     def __init__(self):
-        size, place = 16, [0, 12, 13, 14, 15, *range(5, 12)]
         self.c, self.b, self.e5, self.e3 = table("c"), table("b"), table("e5"), table("e3")
-        self.a = [row + [mp.mpf(0)] * (size - len(row)) for row in table("a")] + [self.b + [mp.mpf(0)] * 4]
-        for row in table("extra"):
-            self.a.append([mp.mpf(0)] * size)
-            self.put(self.a[-1], row, place)
-        self.d = []
-        for row in table("d"):
-            self.d.append([mp.mpf(0)] * size)
-            self.put(self.d[-1], row, place)
+        self.a = [row + [mp.mpf(0)] * (12 - len(row)) for row in table("a")]
         self.known = {}
-
-    @staticmethod
-    def put(to, row, place):
-        for value, at in zip(row, place):
-            to[at] += value
 
     def weights(self, tree):
         """The elementary weight of every stage."""
         if tree not in self.known:
-            found = [mp.mpf(1)] * 16
+            found = [mp.mpf(1)] * 12
             for branch in tree:
                 inner = self.weights(branch)
                 found = [f * mp.fsum(x * y for x, y in zip(row, inner) if x) for f, row in zip(found, self.a)]
             self.known[tree] = found
         return self.known[tree]
 
-    def off(self, b, order, theta=1):
-        """How far the conditions of this order are from met by the weights b, for a step to theta."""
-        return max(abs(mp.fsum(x * y for x, y in zip(b, self.weights(t))) - mp.mpf(theta)**order / density(t)) for t in trees(order))
-
-    def dense(self, theta):
-        r, b = 1 - theta, [theta**2 * (3 - 2 * theta) * x for x in self.b] + [mp.mpf(0)] * 4
-        b[0] += theta * r * r
-        b[12] -= theta * theta * r
-        return [x + (theta * r)**2 * (d1 + theta * d2 + theta * r * d3 + theta**2 * r * d4) for x, d1, d2, d3, d4 in zip(b, *self.d)]
+    def off(self, b, order):
+        """How far the conditions of this order are from met by the weights b."""
+        return max(abs(mp.fsum(x * y for x, y in zip(b, self.weights(t))) - mp.mpf(1) / density(t)) for t in trees(order))
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +150,7 @@ def test_rows_add_up_to_the_nodes(tableau):
     assert max(abs(mp.fsum(row) - c) for row, c in zip(tableau.a, tableau.c)) < 1e-28
     root = mp.sqrt(6)
     exact = [0, (6 - root) * 2 / 135, (6 - root) / 45, (6 - root) / 30, (6 + root) / 30,
-             *(mp.mpf(p) / q for p, q in ((1, 3), (1, 4), (4, 13), (127, 195), (3, 5), (6, 7), (1, 1), (1, 1), (1, 10), (1, 5), (7, 9)))]
+             *(mp.mpf(p) / q for p, q in ((1, 3), (1, 4), (4, 13), (127, 195), (3, 5), (6, 7), (1, 1)))]
     assert max(abs(x - y) for x, y in zip(exact, tableau.c)) < 1e-29
 
 
@@ -183,13 +164,6 @@ def test_estimates_are_of_their_orders(tableau, name, order):
     lower = [b - e for b, e in zip(tableau.b, getattr(tableau, name))]
     assert max(tableau.off(lower, p) for p in range(1, order + 1)) < 1e-27
     assert tableau.off(lower, order + 1) > 1e-4
-
-
-def test_conditions_of_the_dense_output(tableau):
-    for theta in (mp.mpf("0.3"), mp.mpf("0.8")):
-        b = tableau.dense(theta)
-        assert max(tableau.off(b, order, theta) for order in range(1, 8)) < 5e-28
-        assert tableau.off(b, 8, theta) > 1e-6
 
 
 # -- accuracy -----------------------------------------------------------------------------------
@@ -321,7 +295,7 @@ def test_it_is_not_symplectic(build):
     assert found[0] > 1e-6 and found[1] < 1e-13
 
 
-# -- restart, dense output, failures ------------------------------------------------------------
+# -- restart, failures --------------------------------------------------------------------------
 
 @pytest.mark.parametrize("flags", [(), (LONG,), (PROJECT,), ("-DSMG_PLAIN_SUMS=1",), (FIXED,)])
 @pytest.mark.parametrize("what", STARTS)
@@ -333,53 +307,17 @@ def test_restart_gives_the_same_bits(build, what, flags):
     assert words == [OK, OK, 11 + 6 * sites + 1, 1, *[OK] * 6]
 
 
-def dense(program, what, h, steps, thetas, **more):
-    """(time at the start and end of the last internal step, w at every theta, w after one step more)"""
-    status, first, last, *w = map(np.longdouble, ask(program, what, h, "dense", steps, *thetas, **more))
-    assert status == OK
-    return first, last, np.array(w).reshape(len(thetas) + 1, -1, 3)
-
-
-THETAS = ("0", "0.1", "0.35", "0.5", "0.77", "0.95", "1")
-
-
-@pytest.mark.parametrize("what", STARTS)
-def test_dense_output_is_as_good_as_the_step(build, what):
-    """With several internal steps in every output step; asking for it changes no bit of the step after."""
-    h, program = 0.7 if what in (VORTICES, NAMBU) else 7.3, build()
-    first, last, w = dense(program, what, h, 2, THETAS, t0=0.25, tolerance="1e-8")
-    assert 0.25 + h < first < last and abs(last - 0.25 - 2 * h) < 1e-14
-    misses = [np.abs(run(build(QUAD), what, float(first + float(t) * (last - first)) - 0.25, 1, t0=0.25, tolerance="1e-18").w - x).max() for t, x in zip(THETAS, w)]
-    print(what, misses)
-    assert max(misses) < 3 * max(misses[0], misses[-1]) + 1e-9
-    assert np.array_equal(w[-1], run(program, what, h, 3, t0=0.25, tolerance="1e-8").w)
-
-
-@pytest.mark.parametrize("what, h", [(BODY, 0.5), (FIELD, 0.25), (VORTICES, 0.1), (NAMBU, 0.1)])
-def test_dense_output_of_order_seven(build, what, h):
-    """Its error in one step goes as h^8; at both ends it is the step itself."""
-    program, errors = build(LONG, FIXED), []
-    for k in (0, 1, 2):
-        _, _, w = dense(program, what, h / 2**k, 1, THETAS)
-        exact = [run(build(QUAD), what, repr(float(t) * h / 2**k), 1, tolerance="1e-21").w for t in THETAS]
-        errors.append(max(np.abs(x - y).max() for x, y in zip(w[1:-2], exact[1:-1])))
-        assert np.abs(w[0] - exact[0]).max() < 1e-18 and np.abs(w[-2] - run(program, what, h / 2**k, 1).w).max() < 1e-18
-    orders = [np.log2(x / y) for x, y in pairwise(errors)]
-    print(what, errors, orders)
-    assert 7.5 < orders[1] < 8.7
-
-
 def failed(program, what, h, steps, starts=START):
-    """(status, site, steps done, is the state as it was, does the dense output give w)"""
+    """(status, site, steps done, is the state as it was)"""
     return list(map(int, ask(program, what, h, "fail", steps, starts=starts)))
 
 
 @pytest.mark.parametrize("flags", [(), (LONG,), (FIXED,), (PROJECT,)])
 def test_not_finite(build, flags):
     """The energy is no number beyond w_3 = 0.8, where the orbit goes after some steps, or is from the start."""
-    status, site, count, same, dense_is_w = failed(build(*flags), EDGE, 1, 50, "0 0.7855 0.6188")
-    assert [status, site, same, dense_is_w] == [NOT_FINITE, 0, 1, 1] and count > 0
-    assert failed(build(*flags), EDGE, 1, 50) == [NOT_FINITE, 0, 0, 1, 1]
+    status, site, count, same = failed(build(*flags), EDGE, 1, 50, "0 0.7855 0.6188")
+    assert [status, site, same] == [NOT_FINITE, 0, 1] and count > 0
+    assert failed(build(*flags), EDGE, 1, 50) == [NOT_FINITE, 0, 0, 1]
 
 
 def test_the_site_of_a_failure(build):
@@ -390,7 +328,7 @@ def test_the_site_of_a_failure(build):
 @pytest.mark.parametrize("h", ["1e6", "1e13"])
 def test_no_convergence(build, h):
     """1e6: more internal steps than the cap; 1e13: the size they would need is less than 1e-12 of h."""
-    assert failed(build(), FREE_BODY, h, 1) == [NO_CONVERGENCE, 0, 0, 1, 1]
+    assert failed(build(), FREE_BODY, h, 1) == [NO_CONVERGENCE, 0, 0, 1]
 
 
 # -- compilers ----------------------------------------------------------------------------------
@@ -415,6 +353,5 @@ def test_sanitizers_find_nothing(build, flags):
         plain = run(build(*flags), what, h, 5)
         assert np.allclose(np.array(run(program, what, h, 5).w, float), np.array(plain.w, float), rtol=0, atol=1e-13)
         ask(program, what, h, "restart", 3, 4)
-        ask(program, what, h, "dense", 3, 0.25, 0.5)
         ask(program, what, h, "look")
     assert failed(program, EDGE, 1, 50, "0 0.7855 0.6188")[0] == NOT_FINITE

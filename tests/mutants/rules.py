@@ -212,7 +212,7 @@ IN_LANES = (
     (CONTROL, r"= smg_select\(good, pace->end, pace->done\)", r"= pace->end"),
     (CONTROL, r"smg_add_where\(good, y", r"smg_add_where(smg_all(1), y"),
     (LANE_STEPS, r"f->natural_before = smg_lane_select\(finished, pace->natural, f->natural_before\);", r""),
-    (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, smg_kept\(s\)\[SMG_NATURAL\]\);", r"smg_lane_set(&f->natural_before, l, 0);"),
+    (LANE_STEPS, r"smg_lane_set\(&f->natural_before, l, \*smg_natural\(s\)\);", r"smg_lane_set(&f->natural_before, l, 0);"),
     (LANE_ROWS, r"\(j - 1\) \* \(j - 1\) \+ m : 0", r"(j - 1) * (j - 1) + 1 : 0"),
     (LANE_BATCH, r"g->live\[l\] = 0;", r""),
     (LANE_BATCH, r"k < \(alike \? 1 : b\.groups\)", r"k < 1"),

@@ -5,7 +5,7 @@
  * WHAT: 0 a rigid body on the unit sphere, H = sum w_i^2 (1 + sigma w_i)/(2 I_i), I = (1, 2, 4), sigma = 0.3;
  * 1 the same body in R^3; 2 point vortices; 3 a spin in a turning field; 4 a Nambu site, C = (x^2 + 2 y^2 + 3 z^2)/2;
  * 5 a body whose energy is no number where w_3 > 0.8. A negative WHAT: the body with sigma = 0.
- * TOLERANCE: 0, or another than the method's own. ACTION: run N; restart N M; dense N theta ..; fail N; look. */
+ * TOLERANCE: 0, or another than the method's own. ACTION: run N; restart N M; fail N; look. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -122,7 +122,7 @@ static size_t smg_layout(smg_state *s, smg_real *mem) {
   size_t used = smg_place_array(&s->w, mem, 0, 3 * n);
   used = smg_place_array(&s->compensation, mem, used, 3 * n);
   used = smg_place_array(&s->u, mem, used, 3 * n);
-  return smg_place_array(&s->stages, mem, used, 45 * n + 4);
+  return smg_place_array(&s->stages, mem, used, 42 * n + 1);
 }
 
 static smg_real number(const char *text) {
@@ -189,42 +189,19 @@ static void restart(smg_state *s, const smg_real *start, int64_t n, int64_t m) {
   free(saved);
 }
 
-/* n steps, then where the last internal step is, in time, and w at each theta; the state must stay as it is */
-static void dense(smg_state *s, int64_t n, char **theta, int count) {
-  const int64_t size = 3 * smg_sites(&s->c);
-  smg_real *w = (smg_real *)malloc((size_t)size * sizeof *w);
-  for (int64_t k = 0; k < n; ++k) {
-    (void)smg_step(s);
-    if (k + 1 < n) smg_dense(s, (smg_real)0.5, w); /* of the steps before too: their stages must not stay */
-  }
-  printf("%d", (int)s->report.status);
-  show(smg_time_at(s, -smg_dense_part(s)));
-  show(smg_time_at(s, 0));
-  for (int k = 0; k < count; ++k) {
-    smg_dense(s, number(theta[k]), w);
-    show_all(w, size);
-  }
-  (void)smg_step(s); /* with dense output asked for between */
-  show_all(s->w, size);
-  free(w);
-}
-
-/* n steps of which the last fails: is the saved state as it was before, and does smg_dense() give w? */
+/* n steps of which the last fails: is the saved state as it was before? */
 static void fail(smg_state *s, int64_t n) {
   const size_t size = smg_saved_size(&s->c);
-  const int64_t n3 = 3 * smg_sites(&s->c);
-  smg_real *saved = (smg_real *)malloc(2 * size * sizeof *saved), *w = (smg_real *)malloc((size_t)n3 * sizeof *w);
+  smg_real *saved = (smg_real *)malloc(2 * size * sizeof *saved);
   memset(saved, 0, 2 * size * sizeof *saved); /* long double has bytes without a meaning */
   for (int64_t k = 0; k < n && s->report.status == SMG_OK; ++k) {
     smg_save_state(s, saved);
     (void)smg_step(s);
   }
   smg_save_state(s, saved + size);
-  smg_dense(s, (smg_real)0.5, w);
-  printf("%d %d %d %d %d", (int)s->report.status, (int)s->report.site, (int)s->count,
-         memcmp(saved, saved + size, size * sizeof *saved) == 0, memcmp(w, s->w, (size_t)n3 * sizeof *w) == 0);
+  printf("%d %d %d %d", (int)s->report.status, (int)s->report.site, (int)s->count,
+         memcmp(saved, saved + size, size * sizeof *saved) == 0);
   free(saved);
-  free(w);
 }
 
 /* What the shell of a model offers without a step: field, momentum, Casimirs. */
@@ -244,7 +221,6 @@ static void act(smg_state *s, const smg_real *w, int count, char **words) {
   const int64_t n = count > 1 ? strtoll(words[1], NULL, 10) : 1;
   if (strcmp(words[0], "run") == 0) run(s, w, n);
   else if (strcmp(words[0], "restart") == 0) restart(s, w, n, strtoll(words[2], NULL, 10));
-  else if (strcmp(words[0], "dense") == 0) dense(s, n, words + 2, count - 2);
   else if (strcmp(words[0], "fail") == 0) fail(s, n);
   else look(s);
   printf("\n");

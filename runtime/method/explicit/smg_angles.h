@@ -39,8 +39,8 @@ static void smg_draw_noise(smg_state *s, smg_real h) {
 
 static void smg_add_noise(const smg_state *s, smg_real *k) { smg_axpy(k, 1, s->unturned, 3 * smg_sites(&s->c)); }
 #else
-SMG_INLINE void smg_draw_noise(smg_state *s, smg_real h) { (void)s, (void)h; }
-SMG_INLINE void smg_add_noise(const smg_state *s, smg_real *k) { (void)s, (void)k; }
+SMG_INLINE void smg_draw_noise(SMG_UNUSED smg_state *s, SMG_UNUSED smg_real h) {}
+SMG_INLINE void smg_add_noise(SMG_UNUSED const smg_state *s, SMG_UNUSED smg_real *k) {}
 #endif
 
 /* k_i = h b at s->points, the time t + part h. */

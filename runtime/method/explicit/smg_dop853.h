@@ -8,15 +8,15 @@
  * by as many internal ones as the tolerance asks; the last ends exactly there. It is no symplectic method: energy and
  * leaves drift.
  *
- * Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5 (method), II.10 (estimates) and II.6
- * (dense output); coefficients in smg_dop853_table.h.
+ * Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5 (method) and II.10 (estimates);
+ * coefficients in smg_dop853_table.h.
  *
  * What a build may choose:
  *     SMG_TOLERANCE   error of an internal step, as part of s->scale, the largest component: 1e-12, long double 1e-15,
  *                     quad 1e-26
  *     SMG_PROJECT     1: after every internal step each site goes back to its leaf, along grad C; default 0
  *     SMG_FIXED_STEP  1: h itself is the only internal step, whatever its error; default 0
- * Arrays: s->w, s->compensation, s->u (3 a site) and s->stages, which has 45 numbers a site and 4 more. */
+ * Arrays: s->w, s->compensation, s->u (3 a site) and s->stages, which has 42 numbers a site and 1 more. */
 #ifndef SMG_DOP853_H
 #define SMG_DOP853_H
 
@@ -41,30 +41,21 @@
 #endif
 #endif
 
-/* The four numbers: the size of the last internal step that nothing cut short (0: none yet); where the last internal
- * step began and its size (0: there is none to interpolate); are k_13 .. k_16 there? Sizes are parts of h. */
-enum { SMG_NATURAL, SMG_LAST_FROM, SMG_LAST_SIZE, SMG_EXTRA_READY, SMG_KEPT };
-
-static inline smg_real *smg_kept(const smg_state *s);
+#include "smg_dop853_trial.h"
 
 /* ---- the history: one number, the natural size
  * --------------------------------------------------------------------------- */
+/* The size of the last internal step that nothing cut short, as part of h; 0: none yet. */
+static inline smg_real *smg_natural(const smg_state *s) { return smg_vector(s, SMG_STAGE_VECTORS); }
+
 /* Numbers of the history. */
-static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 1; }
+static inline size_t smg_history_size(SMG_UNUSED const smg_coefficients *c) { return 1; }
 
-static inline void smg_save_history(const smg_state *s, smg_real *out) { out[0] = smg_kept(s)[SMG_NATURAL]; }
-
-static inline void smg_restore_history(smg_state *s, const smg_real *in) {
-  smg_kept(s)[SMG_NATURAL] = in[0];
-  smg_kept(s)[SMG_LAST_SIZE] = 0;
-}
+static inline void smg_save_history(const smg_state *s, smg_real *out) { *out = *smg_natural(s); }
+static inline void smg_restore_history(smg_state *s, const smg_real *in) { *smg_natural(s) = *in; }
 
 #define SMG_HISTORY_ARRAYS 1
-static inline void smg_forget_arrays(smg_state *s) { smg_kept(s)[SMG_NATURAL] = smg_kept(s)[SMG_LAST_SIZE] = 0; }
-
-#include "smg_dop853_trial.h"
-
-static inline smg_real *smg_kept(const smg_state *s) { return smg_vector(s, SMG_STAGE_VECTORS); }
+static inline void smg_forget_arrays(smg_state *s) { *smg_natural(s) = 0; }
 
 /* ---- one internal step
  * --------------------------------------------------------------------------------------------------- */
@@ -144,8 +135,6 @@ static inline void smg_estimate(smg_state *s, smg_pace *pace) {
 
 /* The increment u is taken, and y is back on the leaves. */
 static inline void smg_take_step(smg_state *s) {
-  smg_real *y = smg_vector(s, SMG_Y), *before = smg_vector(s, SMG_Y_BEFORE);
-  smg_copy(before, y, smg_width(s));
   smg_take_increment(s, 1);
 #if SMG_PROJECT
   smg_back_on_leaves(s);
@@ -156,7 +145,7 @@ static inline void smg_take_step(smg_state *s) {
  * ------------------------------------------------------------------------------------------------------ */
 /* At the beginning of a step of s, whose w the array of y has. */
 static inline void smg_begin_pace(smg_state *s, smg_pace *pace) {
-  const smg_real natural = smg_kept(s)[SMG_NATURAL], allowed = smg_allowed(s);
+  const smg_real natural = *smg_natural(s), allowed = smg_allowed(s);
   memset(pace, 0, sizeof *pace);
   pace->natural = smg_max(SMG_LEAST_PART, natural > 0 ? natural : smg_first_size(s));
   pace->per_allowed = allowed > 0 ? 1 / allowed : 0;
@@ -165,7 +154,6 @@ static inline void smg_begin_pace(smg_state *s, smg_pace *pace) {
 /* All internal steps, in the scratch arrays. */
 static smg_status smg_integrate(smg_state *s, smg_pace *pace) {
   while (pace->done < 1) {
-    smg_kept(s)[SMG_LAST_FROM] = pace->done;
     smg_next_try(pace);
     if (!smg_first_stage(s, pace)) return SMG_NOT_FINITE;
     smg_later_stages(s, pace->done, pace->size, smg_vector(s, SMG_Y));
@@ -186,8 +174,7 @@ static void smg_commit_steps(smg_state *s, const smg_pace *pace) {
   smg_copy(smg_spins_lost(s), smg_vector(s, SMG_Y_COMPENSATION), smg_width(s));
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) /* open leaves: orbits grow */
     if (smg_kind(&s->c, k) == SMG_NAMBU) s->scale = smg_max(s->scale, smg_largest(s->w + 3 * k));
-  smg_kept(s)[SMG_NATURAL] = pace->natural;
-  smg_kept(s)[SMG_LAST_SIZE] = pace->size;
+  *smg_natural(s) = pace->natural;
   ++s->count;
 }
 
@@ -203,7 +190,6 @@ static smg_status smg_one_step(smg_state *s) {
   smg_pace pace;
   smg_copy(smg_vector(s, SMG_Y), smg_spins(s), smg_width(s));
   smg_copy(smg_vector(s, SMG_Y_COMPENSATION), smg_spins_lost(s), smg_width(s));
-  smg_kept(s)[SMG_LAST_SIZE] = smg_kept(s)[SMG_EXTRA_READY] = 0;
   s->report.site = -1;
   smg_begin_pace(s, &pace);
   s->report.status = smg_integrate(s, &pace);
@@ -217,55 +203,5 @@ static smg_status smg_one_step(smg_state *s) {
 }
 
 #include "smg_field_steps.h"
-
-#if !SMG_ROW_FIELDS
-/* ---- dense output
- * -------------------------------------------------------------------------------------------------------- */
-/* The part of h that the last internal step took; 0 before a step, after a failed one and after a restart. */
-static inline smg_real smg_dense_part(const smg_state *s) { return smg_kept(s)[SMG_LAST_SIZE]; }
-
-/* k_13 = f at the end, k_14 .. k_16, in the places of k_2 .. k_5. The step is counted already: its parts of h are less
- * 1. */
-static inline void smg_extra_stages(const smg_state *s) {
-  const smg_real *before = smg_vector(s, SMG_Y_BEFORE), *kept = smg_kept(s);
-  const int64_t n = smg_width(s);
-  smg_coefficients c = s->c;
-  smg_set_time_at(&c, s, 0);
-  smg_right_side(&c, kept[SMG_LAST_SIZE], s->w, smg_vector(s, 1));
-  for (int i = 0; i < 3; ++i) {
-    for (int64_t q = 0; q < n; ++q)
-      s->u[q] = before[q] + smg_weighted(smg_dop853_extra[i], SMG_STAGES_USED, s->stages + q, n);
-    smg_set_time_at(&c, s, kept[SMG_LAST_FROM] + smg_dop853_c[13 + i] * kept[SMG_LAST_SIZE] - 1);
-    smg_right_side(&c, kept[SMG_LAST_SIZE], s->u, smg_vector(s, 2 + i));
-  }
-}
-
-/* w at the part theta of the last internal step, to order 7: with r = 1 - theta the cubic through both ends and their
- * slopes,
- *     y + theta^2 (3 - 2 theta) (w - y) + theta r (r k_1 - theta k_13),
- * and (theta r)^2 sum_i (d_1i + theta d_2i + theta r d_3i + theta^2 r d_4i) k_i. Where there is no such step it is w
- * itself. */
-static inline void smg_dense(const smg_state *s, smg_real theta, smg_real *w) {
-  const int64_t n = 3 * smg_sites(&s->c);
-  const smg_real *y = smg_vector(s, SMG_Y_BEFORE), r = 1 - theta;
-  const smg_real end = theta * theta * (3 - 2 * theta), bump = theta * r * (theta * r);
-  smg_real a[SMG_STAGES_USED];
-  if (!(smg_dense_part(s) > 0)) {
-    smg_copy(w, s->w, n);
-    return;
-  }
-  if (smg_kept(s)[SMG_EXTRA_READY] == 0) smg_extra_stages(s);
-  smg_kept(s)[SMG_EXTRA_READY] = 1;
-  for (int i = 0; i < SMG_STAGES_USED; ++i)
-    a[i] = bump *
-           (smg_dop853_d[0][i] + theta * (smg_dop853_d[1][i] + r * (smg_dop853_d[2][i] + theta * smg_dop853_d[3][i])));
-  a[0] += theta * r * r;
-  a[1] -= theta * theta * r;
-  for (int64_t q = 0; q < n; ++q) {
-    const smg_real rest = smg_weighted(a, SMG_STAGES_USED, s->stages + q, n);
-    w[q] = y[q] + (end * (s->w[q] - y[q]) + rest);
-  }
-}
-#endif
 
 #endif

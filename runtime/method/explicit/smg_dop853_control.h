@@ -22,10 +22,9 @@
 #define SMG_LOOK_AHEAD 128
 #define SMG_LEAF_ROUNDS 4 /* of Newton's method onto the leaf */
 
-/* s->stages: fifteen vectors of 3 numbers a site, then four numbers. The places of k_2 .. k_5, which neither the
- * increment nor the estimates need, serve the estimates and then k_13 .. k_16 of the dense output: "in order of places"
- * is 1, 13, 14, 15, 16, 6, 7, .., 12. */
-enum { SMG_E5 = 1, SMG_E3, SMG_Y = 12, SMG_Y_COMPENSATION, SMG_Y_BEFORE, SMG_STAGE_VECTORS };
+/* s->stages: fourteen vectors of 3 numbers a site, then one number. The places of k_2 and k_3, which neither the
+ * increment nor the estimates need, serve the estimates. */
+enum { SMG_E5 = 1, SMG_E3, SMG_Y = 12, SMG_Y_COMPENSATION, SMG_STAGE_VECTORS };
 
 /* Bits of 1, and a sixteenth of them, less half of what logarithms are off. */
 #define SMG_SIXTEENTH UINT64_C(0x43ee44d013a92c00)

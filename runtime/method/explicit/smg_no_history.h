@@ -9,8 +9,8 @@
 #define SMG_HISTORY 0
 #endif
 
-static inline size_t smg_history_size(const smg_coefficients *c) { return (void)c, 0; }
-static inline void smg_save_history(const smg_state *s, smg_real *out) { (void)s, (void)out; }
-static inline void smg_restore_history(smg_state *s, const smg_real *in) { (void)s, (void)in; }
+static inline size_t smg_history_size(SMG_UNUSED const smg_coefficients *c) { return 0; }
+static inline void smg_save_history(SMG_UNUSED const smg_state *s, SMG_UNUSED smg_real *out) {}
+static inline void smg_restore_history(SMG_UNUSED smg_state *s, SMG_UNUSED const smg_real *in) {}
 
 #endif

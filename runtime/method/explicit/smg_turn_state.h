@@ -63,8 +63,7 @@ static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) past[k] = s->history > 0 ? smg_inverse_square(&s->c) : 0;
 }
 
-static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {
-  (void)past;
+static void smg_restore_rows(smg_state *s, const smg_real *lost, SMG_UNUSED const smg_real *past) {
   smg_to_slots(s, lost, s->row_compensation);
 }
 

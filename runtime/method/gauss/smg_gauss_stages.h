@@ -101,9 +101,9 @@ SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t k, smg_real *z) {
 }
 
 /* x/|w|; of a site at rest at w = 0, 0. */
-SMG_INLINE smg_real smg_over_length(const smg_state *s, const smg_gauss_work *a, int64_t k, smg_real x) {
+SMG_INLINE smg_real smg_over_length(const smg_state *s, SMG_UNUSED const smg_gauss_work *a, int64_t k, smg_real x) {
   const smg_real length = smg_length(s, k);
-  return (void)a, length > 0 ? x / length : 0;
+  return length > 0 ? x / length : 0;
 }
 
 static inline void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t k, const smg_real *u, smg_real *z) {
@@ -135,11 +135,9 @@ SMG_INLINE void smg_place_points(const smg_gauss_work *a, int q, int64_t k) {
 }
 
 /* dH/dw at the points of the q-th block of stages, one a lane. */
-SMG_INLINE void smg_stage_gradient(smg_state *s, int q, const smg_gauss_work *a) {
+SMG_INLINE void smg_stage_gradient(smg_state *s, SMG_UNUSED int q, const smg_gauss_work *a) {
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[SMG_LANES * q]));
-#else
-  (void)q;
 #endif
 #if SMG_HAS_LANES
   smg_lane_gradient(&s->c, a->points, a->gradients);
@@ -149,7 +147,8 @@ SMG_INLINE void smg_stage_gradient(smg_state *s, int q, const smg_gauss_work *a)
 }
 
 /* R = F + p x Q in place of the gradient of all sites, one stage a lane (smg_respond.h). */
-SMG_INLINE void smg_respond_stages(const smg_coefficients *c, const smg_lanes *points, smg_lanes *gradients) {
+SMG_INLINE void smg_respond_stages(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED const smg_lanes *points,
+                                   SMG_UNUSED smg_lanes *gradients) {
 #if SMG_RESPONDS
   for (int64_t k = 0; k < smg_sites(c); ++k) {
     const smg_told told = smg_told_of(c, k);
@@ -157,8 +156,6 @@ SMG_INLINE void smg_respond_stages(const smg_coefficients *c, const smg_lanes *p
     (void)smg_lane_respond(&told, points + 3 * k, gradients + 3 * k, room);
     smg_lane_copy(gradients + 3 * k, room, 3);
   }
-#else
-  (void)c, (void)points, (void)gradients;
 #endif
 }
 

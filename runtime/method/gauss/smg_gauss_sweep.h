@@ -217,14 +217,14 @@ SMG_INLINE void smg_take_z(const smg_gauss_work *a, int64_t slot, smg_lanes *z) 
   smg_take_four(a->z, a->pitch, slot, z);
 }
 
-SMG_INLINE smg_lanes smg_over_length(const smg_state *s, const smg_gauss_work *a, int64_t slot, smg_lanes x) {
-  return (void)s, (void)slot, a->inverse * x;
+SMG_INLINE smg_lanes smg_over_length(SMG_UNUSED const smg_state *s, const smg_gauss_work *a, SMG_UNUSED int64_t slot,
+                                     smg_lanes x) {
+  return a->inverse * x;
 }
 
-SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes *u,
+SMG_INLINE void smg_add_to_sites(SMG_UNUSED smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes *u,
                                  smg_lanes *z) {
   smg_lanes w[3];
-  (void)s;
   smg_take_slots(a->w, a->pitch, slot, w);
   smg_real *lost = a->w + SMG_SLOT_LOST * a->pitch + slot;
   smg_lane_add_step(3, w, lost, lost, a->pitch, u);
@@ -234,9 +234,9 @@ SMG_INLINE void smg_add_to_sites(smg_state *s, const smg_gauss_work *a, int64_t 
 }
 
 /* The L_j and the points of their stages. */
-SMG_INLINE void smg_begin_sites(const smg_state *s, const smg_gauss_work *a, int64_t slot, const smg_lanes (*l)[4]) {
+SMG_INLINE void smg_begin_sites(SMG_UNUSED const smg_state *s, const smg_gauss_work *a, int64_t slot,
+                                const smg_lanes (*l)[4]) {
   smg_lanes z[4];
-  (void)s;
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) smg_put_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), a->pitch, slot, l[i]);
   smg_take_z(a, slot, z);
@@ -244,8 +244,7 @@ SMG_INLINE void smg_begin_sites(const smg_state *s, const smg_gauss_work *a, int
 }
 
 /* D for the fields there. */
-static void smg_begin_sweeps(smg_state *s, smg_gauss_work *a, int extrapolated) {
-  (void)extrapolated;
+static void smg_begin_sweeps(smg_state *s, smg_gauss_work *a, SMG_UNUSED int extrapolated) {
   smg_shift_by(&a->shift, a->radius, smg_look_at_fields(s, a));
 }
 

@@ -9,9 +9,8 @@
 #include "smg_model.h"
 
 /* m = mbar; returns m/mbar = 1. */
-static inline smg_real smg_project(const smg_coefficients *c, int64_t k, smg_real leaf, const smg_real *mbar,
-                                   smg_real *m) {
-  (void)c, (void)k, (void)leaf;
+static inline smg_real smg_project(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED int64_t k, SMG_UNUSED smg_real leaf,
+                                   const smg_real *mbar, smg_real *m) {
   smg_copy(m, mbar, 3);
   return 1;
 }

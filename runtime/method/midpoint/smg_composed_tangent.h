@@ -11,11 +11,10 @@ static size_t smg_tangent_memory(const smg_model *model) {
 }
 
 /* Makes the increment of stage i the newest one of the history. */
-static inline void smg_recall_stage(smg_state *s, int row, int i) {
+static inline void smg_recall_stage(smg_state *s, SMG_UNUSED int row, int i) {
 #if SMG_SINGLE_SPHERE
   s->row = row + SMG_COMPOSED - 1 - i;
 #else
-  (void)row;
   s->past[0] = s->increments + 3 * smg_sites(&s->c) * i;
 #endif
 }

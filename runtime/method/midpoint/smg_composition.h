@@ -36,8 +36,7 @@ typedef struct smg_before {
 } smg_before;
 
 /* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
-static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
-  (void)rows;
+static inline void smg_hold(smg_state *s, smg_before *b, SMG_UNUSED const struct smg_row_call *rows) {
   if (s->row < SMG_COMPOSED) {
     smg_copy(s->rows + 4 * (SMG_ROWS - SMG_HISTORY), s->rows + 4 * s->row, 4 * SMG_HISTORY);
     s->row = SMG_ROWS - SMG_HISTORY;
@@ -49,8 +48,7 @@ static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_ca
   b->history = s->history;
 }
 
-static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
-  (void)rows;
+static inline void smg_give_back(smg_state *s, const smg_before *b, SMG_UNUSED const struct smg_row_call *rows) {
   smg_vec_store(s->w, b->w);
   smg_vec_store(s->compensation, b->compensation);
   s->row = b->row;
@@ -76,8 +74,7 @@ SMG_COLD static void smg_prepare_stages(smg_state *s) {
   s->prepared[1] = (smg_real)s->h;
 }
 
-static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, struct smg_row_call *rows) {
-  (void)rows;
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, SMG_UNUSED struct smg_row_call *rows) {
   s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
   smg_set_time_at(&s->c, s, middle);
   return smg_sphere_step(s);
@@ -143,13 +140,12 @@ static inline smg_status smg_solve_row_stage(smg_state *s, smg_real h, struct sm
 }
 #endif
 
-static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, struct smg_row_call *rows) {
+static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, SMG_UNUSED struct smg_row_call *rows) {
   const smg_real h = smg_gamma[s->stage] * smg_signed_h(s->h);
   smg_set_time_at(&s->c, s, middle);
 #if SMG_BY_ROWS
   if (rows) return smg_solve_row_stage(s, h, rows);
 #endif
-  (void)rows;
   const smg_status status = smg_advance(s, h);
   if (status == SMG_OK) smg_stage_done(s, &s->u);
   return status;

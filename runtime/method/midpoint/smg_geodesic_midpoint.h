@@ -40,9 +40,9 @@ SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *a, smg_re
   smg_scale(u, 2, 3);
 }
 
-SMG_INLINE smg_real smg_stage_weight(smg_real r) { return (void)r, 1; }
+SMG_INLINE smg_real smg_stage_weight(SMG_UNUSED smg_real r) { return 1; }
 
-SMG_INLINE int smg_stage_serves(const smg_real *a) { return (void)a, 1; }
+SMG_INLINE int smg_stage_serves(SMG_UNUSED const smg_real *a) { return 1; }
 
 #include "smg_one_stage.h"
 

@@ -34,7 +34,7 @@ SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *g, smg_re
   smg_scale(u, 2 / (1 + smg_dot(g, g)), 3);
 }
 
-SMG_INLINE int smg_stage_serves(const smg_real *a) { return (void)a, 1; }
+SMG_INLINE int smg_stage_serves(SMG_UNUSED const smg_real *a) { return 1; }
 
 #include "smg_one_stage.h"
 

@@ -17,10 +17,7 @@
 #include "smg_slopes.h"
 
 #if !SMG_TURNED_SLOPE
-SMG_INLINE void smg_stage_slope(const smg_real *v, const smg_real *g, smg_real *a) {
-  (void)v;
-  smg_copy(a, g, 3);
-}
+SMG_INLINE void smg_stage_slope(SMG_UNUSED const smg_real *v, const smg_real *g, smg_real *a) { smg_copy(a, g, 3); }
 
 SMG_INLINE smg_real smg_stage_weight(smg_real r) { return r; }
 #endif
@@ -34,8 +31,7 @@ static inline void smg_new_slope(smg_state *s, int64_t k, smg_moved *moved) {
   smg_renew_slopes(s, k, next, smg_stage_weight(size), smg_sum_of_sizes(g, 3), moved);
 }
 
-static smg_moved smg_sweep_stages(smg_state *s, void *with) {
-  (void)with;
+static smg_moved smg_sweep_stages(smg_state *s, SMG_UNUSED void *with) {
   const int64_t sites = smg_sites(&s->c);
   smg_moved moved = {0, 0, 0};
   for (int64_t q = 0; q < 3 * sites; q += 3) smg_stage_point(s->w + q, s->slopes + q, s->points + q);

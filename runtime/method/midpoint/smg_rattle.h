@@ -89,8 +89,7 @@ static inline void smg_rattle_renew(smg_state *s, int64_t k, const smg_real *f, 
   smg_renew_slopes(s, k, next, size / 2, smg_sum_of_sizes(next, 6) / 2, moved);
 }
 
-static smg_moved smg_sweep_stages(smg_state *s, void *with) {
-  (void)with;
+static smg_moved smg_sweep_stages(smg_state *s, SMG_UNUSED void *with) {
   const int64_t sites = smg_sites(&s->c);
   smg_real *A = s->points, *B = A + 3 * sites, *apart = B + 3 * sites;
   smg_moved moved = {0, 0, 0};

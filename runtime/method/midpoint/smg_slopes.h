@@ -68,10 +68,9 @@ static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *nex
 }
 
 /* The slopes that it begins with: extrapolated from those of the steps that are known, or 0. */
-static void smg_begin_stages(smg_state *s, void *with, int extrapolated) {
+static void smg_begin_stages(smg_state *s, SMG_UNUSED void *with, int extrapolated) {
   const int64_t size = SMG_SLOPES * smg_sites(&s->c);
   const int steps = extrapolated ? s->history : 0;
-  (void)with;
   for (int64_t q = 0; q < size; ++q) {
     s->slopes[q] = 0;
     for (int j = 0; j < steps; ++j) s->slopes[q] += smg_weight(steps - 1, j) * s->past_slopes[size * j + q];

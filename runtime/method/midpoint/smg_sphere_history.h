@@ -26,23 +26,19 @@ static inline void smg_forget_arrays(smg_state *s) { smg_zero(s->rows, 4 * SMG_R
 
 /* Rows of the history that are of steps taken, `count` of them in all; those of a composition are counted as they
  * come. */
-static inline int smg_rows_known(const smg_state *s, int64_t count) {
+static inline int smg_rows_known(const smg_state *s, SMG_UNUSED int64_t count) {
 #if SMG_COMPOSED
-  return (void)count, s->history;
+  return s->history;
 #else
   return count - s->begun < SMG_HISTORY ? (int)(count - s->begun) : SMG_HISTORY;
 #endif
 }
 
 /* Numbers of the history. */
-static inline size_t smg_history_size(const smg_coefficients *c) {
-  (void)c;
-  return 4 * SMG_HISTORY;
-}
+static inline size_t smg_history_size(SMG_UNUSED const smg_coefficients *c) { return 4 * SMG_HISTORY; }
 
 /* The increment of site k in the step just taken. */
-static inline const smg_real *smg_last_increment(const smg_state *s, int64_t k) {
-  (void)k;
+static inline const smg_real *smg_last_increment(const smg_state *s, SMG_UNUSED int64_t k) {
   return s->rows + 4 * s->row;
 }
 

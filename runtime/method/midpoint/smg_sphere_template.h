@@ -23,23 +23,23 @@ SMG_INLINE smg_test smg_clear_of_branches(smg_number det) {
 }
 
 /* tr E: 0 of sites that only precess. */
-SMG_INLINE smg_number smg_sphere_trace(smg_slope D) {
+SMG_INLINE smg_number smg_sphere_trace(SMG_UNUSED smg_slope D) {
 #if SMG_RESPONDS
   return smg_slope_trace(D);
 #else
-  return (void)D, smg_of(0);
+  return smg_of(0);
 #endif
 }
 
 /* What stands for det(1 - E) = 1 - t + e2 in smg_clear_of_branches, t = tr E. The eigenvalues of J beside 1, the
  * roots x of x^2 - (2 - t) x + det, are at least 1/4 where they are real, det + t/4 >= 7/16 and t <= 3/2; those of E
  * are below 2 where det + t < 5 and abs(t) < 1. */
-SMG_INLINE smg_number smg_sphere_determinant(smg_number det, smg_number t) {
+SMG_INLINE smg_number smg_sphere_determinant(smg_number det, SMG_UNUSED smg_number t) {
 #if SMG_RESPONDS
   const smg_test known = smg_less(det + t, smg_of(5)) SMG_AND smg_less(smg_abs(t), smg_of(1));
   return smg_select(known, det + (smg_real)0.25 * t, smg_of(0));
 #else
-  return (void)t, det;
+  return det;
 #endif
 }
 
@@ -159,9 +159,8 @@ SMG_INLINE smg_test smg_sphere_again(const smg_coefficients *c, smg_vec w, smg_v
 }
 
 /* w = W, with its rounding error in compensation. */
-SMG_INLINE void smg_sphere_move(smg_number *w, smg_number *compensation, const smg_found *f) {
+SMG_INLINE void smg_sphere_move(smg_number *w, SMG_UNUSED smg_number *compensation, const smg_found *f) {
 #if SMG_PLAIN_SUMS
-  (void)compensation;
 #else
   smg_vec_store(compensation, smg_vec_sub(f->y, smg_vec_sub(f->W, smg_vec_load(w))));
 #endif

@@ -201,13 +201,12 @@ static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_rea
   return status == SMG_OK ? smg_finite_column(s, v) : status;
 }
 
-static size_t smg_step_tangent_memory(const smg_model *model) {
+static size_t smg_step_tangent_memory(SMG_UNUSED const smg_model *model) {
 #if SMG_HAS_COUPLED
   smg_coefficients c;
   c.model = model;
   return sizeof(smg_real) * (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
 #else
-  (void)model;
   return 0;
 #endif
 }
