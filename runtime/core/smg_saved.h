@@ -136,7 +136,8 @@ SMG_RARE static int smg_integer_in(smg_real x, smg_real least, smg_real most) {
 /* A degree that the predictor may have. Of no history it is not read: a state that forgets its history keeps it. */
 static inline int smg_good_degree(smg_real degree, smg_real history) {
   const int known = history > 0 ? (int)history : SMG_HISTORY;
-  return smg_integer_in(degree, history > 0 && SMG_MOST_DEGREE(known) >= 0 ? 0 : SMG_NO_DEGREE, SMG_MOST_DEGREE(known));
+  return smg_integer_in(degree, history > 0 ? smg_min(0, SMG_MOST_DEGREE(known)) : SMG_NO_DEGREE,
+                        SMG_MOST_DEGREE(known));
 }
 
 /* Steps from which time would no longer be known: t0 + count h is found in doubles, and no run gets there. */

@@ -179,17 +179,17 @@ static void smg_groups_step(smg_group *g, int groups) {
 
 /* One step of each state that has none behind it, with all others, where there is such a one; returns how many steps
  * that were. */
-static int64_t smg_lane_first_steps(smg_state *s, int64_t members, int64_t count) {
+static int64_t smg_lane_first_steps(smg_state *s, int64_t members) {
   int fresh = 0;
   for (int64_t k = 0; k < members; ++k) fresh |= s[k].report.status == SMG_OK && s[k].count == s[k].begun;
-  if (!fresh || count < 1) return 0;
+  if (!fresh) return 0;
   for (int64_t k = 0; k < members; ++k)
     if (s[k].report.status == SMG_OK) s[k].report.status = smg_step(s + k);
   return 1;
 }
 
 static void smg_lane_steps(smg_state *s, int64_t members, int64_t count, int alike) {
-  smg_batches_steps(s, members, count - smg_lane_first_steps(s, members, count), alike);
+  smg_batches_steps(s, members, count - smg_lane_first_steps(s, members), alike);
 }
 
 #endif

@@ -37,12 +37,11 @@ typedef struct smg_band_border {
   smg_real before[SMG_BAND_MAX];
 } smg_band_border;
 
-/* Block (i, c) of a ring of n, or NULL outside its band. */
+/* Block (i, c), c < i, of a ring of n, or NULL outside its band. */
 SMG_INLINE const smg_real *smg_band_at(int64_t n, int k, const smg_real *A, int64_t i, int64_t c) {
   int64_t d = c - i;
-  if (d > k) d -= n;
   if (d < -k) d += n;
-  return d < -k || d > k ? NULL : A + (i * (2 * k + 1) + d + k) * SMG_BB;
+  return d > k ? NULL : A + (i * (2 * k + 1) + d + k) * SMG_BB;
 }
 
 SMG_INLINE void smg_block_copy_or_zero(smg_real *C, const smg_real *A) {

@@ -144,6 +144,23 @@ def test_damped_precession_in_closed_form(form, end):
         assert np.abs(build(spec).start("a", h=0.1).steps(100).w - [-.32533220334546, -.20938603546176, .92212604649256]).max() < 1e-13
 
 
+def test_large_steps_of_a_single_sphere_are_those_of_one_beside_another():
+    """What it has in closed form is found as all else is; where a step is none, both say so."""
+    own = """[effects.own]
+over = "site(i) of w"
+energy = "0.7*w[i].x^2 - w[i].y^2/2 + 0.3*w[i].x*w[i].z^2 + 0.4*w[i].z"
+"""
+    text, dice, counts = spec_of("axis", "ll").sources[0][1].replace(AXIS, own), np.random.default_rng(1), {True: 0, False: 0}
+    one, two = (build(smidgen.load_text(text.replace("\nn = 1", f"\nn = {n}"))) for n in (1, 2))
+    for case in range(450):
+        w, h = dice.normal(size=(1, 3)), dice.uniform(0.3, 5)
+        for model in (one, two):
+            model.set_parameters({"alpha": (0.3, 1.0, 3.0)[case % 3]}).start(np.repeat(w / np.linalg.norm(w), model.sites, 0), h=h).advance(1)
+        assert one.count == two.count and np.abs(one.w[0] - two.w[0]).max() < 1e-12
+        counts[one.count == 1] += 1
+    assert min(counts.values()) > 4
+
+
 @quick
 @pytest.mark.parametrize("method", ["spherical-midpoint", "classical-midpoint", "gauss-4", "dop853"])
 def test_a_body_in_r3_ends_about_its_axis_of_least_energy(method):

@@ -246,6 +246,31 @@ def test_nothing_left_is_an_error():
 
 
 @quick
+def test_parameters_that_leave_nothing_are_refused():
+    spec = held("[parameters.q]\ndefault = 6\n" + ABSENT.format("k >= q"))
+    one = smidgen.build(spec).start("r", h=0.1)
+    with pytest.raises(smidgen.SmidgenError):
+        one.set_parameters({"q": 0})
+    assert one.parameters["q"] == 6 and one.step().count == 1
+
+
+@quick
+def test_an_absent_site_of_r3_is_a_unit_vector():
+    """Whatever is given there, and the other moves as if it were alone."""
+    text = '''[model]
+name = "one_body"
+[space]
+w = { r3 = 2 }
+[effects.own]
+over = "site(i) of w"
+energy = "w[i].x^2/2 + w[i].y^2/3"
+'''
+    w = np.array([[5.0, 0, 0], [0.3, -0.4, 1.2]])
+    one, both = (smidgen.build(smidgen.load_text(text + more)).start(w.copy(), h=0.2).steps(9) for more in (ABSENT.format("k == 0"), ""))
+    assert np.array_equal(one.w[0], [0, 0, 1]) and np.array_equal(one.w[1], both.w[1])
+
+
+@quick
 def test_everything_pinned_stands():
     one = smidgen.build(held(PINNED.format("i >= 0"))).start("r", h=0.1)
     w = one.w.copy()

@@ -70,8 +70,41 @@ energy = "{up}*w[i].z"
         np.testing.assert_array_equal(one.start(-top, h=h).step().w, -top)
 
 
-def test_a_vector_of_no_length_stays_where_it_is():
-    spec = spec_of(SPIN, 2, "ll", space="r3 = {sites}").calm
+@pytest.mark.parametrize("effects, solver", [(SPIN, "auto"), (PAIRS, "rotation")])
+def test_a_vector_of_no_length_stays_where_it_is(effects, solver):
+    spec = spec_of(effects, 2, "ll", space="r3 = {sites}").calm
     start = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.4]])
-    one = build(spec).start(start.copy(), h=0.1).steps(3)
+    one = build(spec, solver=solver).start(start.copy(), h=0.1).steps(3)
     assert not one.w[0].any() and abs(np.sqrt((one.w[1]**2).sum()) - 0.5) < 1e-15
+
+
+SADDLE = """[effects.saddle]
+over = "site(i) of w"
+energy = "(w[i].x^2 - w[i].y^2)/2"
+"""
+
+
+@pytest.mark.parametrize("form, h, sites", [("ll", 1.6, 1), ("gilbert", 2.5, 2)])
+def test_where_a_matrix_is_singular_two_halves_are_taken(form, h, sites):
+    """(h/2)^2 (f^2 + q^2) = 1 at the pole, which heat of 1e-60 does not leave."""
+    spec, pole = spec_of(SADDLE, sites, form, values="n = 6\nkT = 1e-60\nalpha = 0.75"), np.tile([0.0, 0.0, 1.0], (sites, 1))
+    with pytest.raises(smidgen.RunError, match="singular"):
+        build(spec.calm).start(pole.copy(), h=h).step()
+    one = build(spec).start(pole.copy(), h=h, seed=1).step()
+    assert one.halved == 1 and np.abs(one.w - pole).max() < 1e-25
+
+
+def test_stages_of_two_halves_have_their_size():
+    """A single sphere prepares its stages once for each h. Beside it a sphere that does nothing but be hot: the same path, by other code."""
+    strong = """[effects.own]
+over = "site(i) of w"
+energy = "if(i == 0, 1, 0)*(1.5*w[i].x^2 + w[i].x*w[i].z + w[i].y)"
+"""
+    one, two = (build(spec_of(strong, sites, values="n = 6\nkT = 2.0\nalpha = 0.05"), method="spherical-midpoint-4") for sites in (1, 2))
+    halved = 0
+    for seed in range(40):
+        for model in (one, two):
+            model.start(np.tile([0.6, 0.0, 0.8], (model.sites, 1)), h=2.0, seed=seed).advance(4)
+        assert one.count == two.count and one.halved == two.halved and np.abs(one.w[0] - two.w[0]).max() < 1e-9
+        halved += one.halved
+    assert halved > 0

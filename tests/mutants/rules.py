@@ -137,7 +137,6 @@ WRAP = (
     ("gen/compile/lower/integers.py", r'Computed\("smg_mod"', r'Divided("%", whole(a), whole(n)) or Computed("smg_mod"'),
     ("gen/compile/lower/integers.py", r"found\.get\(term, 0\) \+ factor", r"factor"),
     ("gen/compile/lower/integers.py", r"times\(-1, other\)", r"other"),
-    (BAND, r"if \(d > k\) d -= n;", r""),
     (BAND, r"if \(d < -k\) d \+= n;", r""),
     (BAND, r"c < 0 \? c \+ k : c - m", r"c < 0 ? c + k : 0"),
     (BAND, r"t - s \+ k\) \* SMG_BB", r"s - t + k) * SMG_BB"),

@@ -167,7 +167,7 @@ def test_what_is_refused_changes_nothing():
     for values, said in (({"n": 5}, "n"), ({"F": 3.0}, "F"), ({"K": 1.0}, "no parameter"), ({"J": np.nan}, "finite"), ({"J": [1, 2]}, "one number")):
         with pytest.raises(UsageError, match=said):
             one.set_parameters(values)
-    for values in ({"r": 2.0}, {"k": 0.0}):
+    for values in ({"r": 2.0}, {"r": 0.0}, {"r": -1.0}, {"k": 0.0}):
         with pytest.raises(RunError, match="parameter"):
             one.set_parameters(values)
     assert one.parameters["r"] == 1 and one.parameters["k"] == 1 and bits(one.save()) == bits(saved)

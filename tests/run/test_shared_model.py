@@ -84,6 +84,7 @@ MEMBERS = """
 #include <string.h>
 
 enum {{ N = 11 }};
+#define T2 0.25
 #define CHECK(what) if (!(what)) return printf("%s\\n", #what), 1
 
 int main(void) {{
@@ -98,15 +99,17 @@ int main(void) {{
     for (int k = 0; k < N; ++k) CHECK({M}_model_init(models + k, &p) == SMG_OK);
     CHECK({M}_model_init(&alone, &p) == SMG_OK);
     void *mem = malloc({M}_ensemble_memsize(models, own, N)), *its = malloc({M}_memsize(&alone));
-    CHECK({M}_ensemble_init(&e, models, own, N, mem, w, 0, 0.3) == 0 && {M}_ensemble_steps(&e, 0, N, 17) == 0);
+    CHECK({M}_ensemble_init(&e, models, own, N, mem, w, 0, 0.3) == 0);
+    CHECK({M}_init(e.member + 2, own ? models + 2 : models, e.member[2].w, w + 6, T2, 0.3) == SMG_OK); /* another time */
+    CHECK({M}_ensemble_steps(&e, 0, N, 17) == 0 && {M}_steps(e.member + 5, 3) == SMG_OK);
     {M}_params other = p;
     other.{p} *= 1.25;
     CHECK({M}_set_parameters(models, &other) == SMG_OK); /* of the first member, or of all */
     CHECK({M}_ensemble_steps(&e, 0, 4, 9) == 0 && {M}_ensemble_steps(&e, 4, N - 4, 9) == 0);
     for (int k = 0; k < N; ++k) {{
-      CHECK({M}_set_parameters(&alone, &p) == SMG_OK && {M}_init(&s, &alone, its, w + 3 * k, 0, 0.3) == SMG_OK && {M}_steps(&s, 17) == SMG_OK);
+      CHECK({M}_set_parameters(&alone, &p) == SMG_OK && {M}_init(&s, &alone, its, w + 3 * k, k == 2 ? T2 : 0, 0.3) == SMG_OK && {M}_steps(&s, k == 5 ? 20 : 17) == SMG_OK);
       if (!own || k == 0) CHECK({M}_set_parameters(&alone, &other) == SMG_OK);
-      CHECK({M}_steps(&s, 9) == SMG_OK && e.member[k].count == 26);
+      CHECK({M}_steps(&s, 9) == SMG_OK && e.member[k].count == s.count);
       memcpy(v, s.w, sizeof v);
       CHECK(memcmp(v, e.member[k].w, sizeof v) == 0);
     }}
@@ -122,13 +125,56 @@ LANES = ["-Wno-psabi", "-ffp-contract=off", "-fno-math-errno", "-DSMG_LANES=4"]
 @pytest.mark.parametrize("name, method, parameter", [("irreversible_rigid_body", "spherical-midpoint", "I1"), ("irreversible_rigid_body", "dop853", "I1"),
                                                      ("irreversible_rigid_body", "extrapolation-12", "I1"), ("forced_rigid_body", "spherical-midpoint", "I1")])
 def test_members_share_a_model_or_have_their_own(tmp_path, name, method, parameter):
-    for file, text in generate(smidgen.load(name), method, features=("ensemble",)).items():
-        (tmp_path / file).write_text(text)
-    (tmp_path / "main.c").write_text(MEMBERS.format(M=name, p=parameter))
-    subprocess.run(["gcc", "-std=c11", "-O1", *LANES, "-fsanitize=undefined,address", "-fno-sanitize-recover=all", *include_flags(), "-I.", "main.c", f"{name}.c", "-lm", "-o", "main"],
-                   cwd=tmp_path, check=True)
-    said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True)
+    """Also where one began at another time, or has taken steps by itself."""
+    runs(tmp_path, name, MEMBERS.format(M=name, p=parameter), method)
+
+
+# Members of other sizes, and of a model that is none.
+UNLIKE = """
+#include "heisenberg_chain.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHECK(what) if (!(what)) return printf("%s\\n", #what), 1
+
+int main(void) {
+  static heisenberg_chain_model models[3];
+  heisenberg_chain_params p;
+  heisenberg_chain_ensemble e;
+  heisenberg_chain_state s;
+  smg_real w[3 * 3 * 6];
+  heisenberg_chain_defaults(&p);
+  for (int k = 0; k < 18; ++k) w[3 * k] = 0.6, w[3 * k + 1] = 0.8 * cos(k), w[3 * k + 2] = 0.8 * sin(k);
+  for (int k = 0; k < 3; ++k) {
+    p.n = k == 0 ? 6 : k == 1 ? 4 : -1;
+    CHECK((heisenberg_chain_model_init(models + k, &p) == SMG_OK) == (k < 2));
+  }
+  void *mem = malloc(heisenberg_chain_ensemble_memsize(models, 1, 3)), *its = malloc(heisenberg_chain_memsize(models));
+  CHECK(heisenberg_chain_ensemble_init(&e, models, 1, 3, mem, w, 0, 0.3) == 2);
+  CHECK(e.member[0].report.status == SMG_OK && e.member[1].report.status == SMG_BAD_PARAMETER && e.member[2].report.status == SMG_BAD_PARAMETER);
+  CHECK(heisenberg_chain_ensemble_steps(&e, 0, 3, 7) == 2 && e.member[0].count == 7 && e.member[1].count == 0 && e.member[2].count == 0);
+  CHECK(heisenberg_chain_init(&s, models, its, w, 0, 0.3) == SMG_OK && heisenberg_chain_steps(&s, 7) == SMG_OK);
+  CHECK(memcmp(s.w, e.member[0].w, 18 * sizeof *w) == 0);
+  free(mem), free(its);
+  return 0;
+}
+"""
+
+
+def runs(place, spec, main, method="spherical-midpoint"):
+    for file, text in generate(smidgen.load(spec), method, features=("ensemble",)).items():
+        (place / file).write_text(text)
+    (place / "main.c").write_text(main)
+    subprocess.run(["gcc", "-std=c11", "-O1", *LANES, "-fsanitize=undefined,address", "-fno-sanitize-recover=all", *include_flags(), "-I.", "main.c", f"{spec}.c", "-lm", "-o", "main"],
+                   cwd=place, check=True)
+    said = subprocess.run(["./main"], cwd=place, capture_output=True, text=True)
     assert said.returncode == 0, said.stdout + said.stderr
+
+
+@pytest.mark.quick
+def test_members_that_cannot_begin_leave_the_others_alone(tmp_path):
+    runs(tmp_path, "heisenberg_chain", UNLIKE)
 
 
 # Valid C++, too: a change, refusals, an array that is written to.

@@ -1,4 +1,5 @@
 """Edges of steps: matrices that are singular, sites at rest, fields that are no numbers, sweeps that find nothing; each with what is left behind."""
+import itertools
 import sys
 
 import numpy as np
@@ -177,7 +178,8 @@ def test_a_composed_tangent_map_that_is_no_number(name):
 BODIES = system("bodies", "w = { r3 = 2 }", ("site(i)", "w[i].x^2/2 + w[i].y^2/3 + 0.2*w[i].z"), ("pair(i, j) of w", "0.4*dot(w[i], w[j]) + 0.1*w[i].x*w[j].y"))
 
 
-@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ())])
+@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ()), ("rattle", ()),
+                                              ("dop853-projected", ())])
 @pytest.mark.parametrize("site", [0, 1])
 def test_a_body_at_rest_stays_among_others(method, features, site):
     """A point is a leaf of its own: no direction, no length to keep; the other body keeps its length."""
@@ -299,6 +301,80 @@ def test_a_rotation_too_large_to_be_squared():
     model = smidgen.build(spec, method="isospectral-midpoint")
     assert refused(model.start(generic(2), h=1e200), NOT_FINITE).site == 0
     model.start(generic(2), h=1e100).step()
+
+
+@pytest.mark.parametrize("method, beyond", [("gauss-4", 158.3), ("geodesic-midpoint", 158.3), ("rattle", 150)])
+def test_beside_products_that_overflow_nothing_has_settled(method, beyond):
+    """Around 10^158 the products in a sweep overflow before, with or after what it changes."""
+    model = smidgen.build(system("diagonal", "w = { sphere = 2 }", ("site(i)", "1e150*(w[i].x + w[i].y + w[i].z)")), method=method)
+    for power in np.arange(157.6, 158.5, 0.02):
+        refused(model.start(generic(2), h=10**power), NOT_FINITE, *([NO_CONVERGENCE] if power < beyond else []))
+
+
+def edge(law, more=""):
+    """Two spins; at x = c the field of the first ends or jumps."""
+    return smidgen.load_text(f"""
+[model]
+name = "edge"
+[space]
+w = {{ sphere = 2 }}
+[parameters]
+nothing = {{ default = 0.0 }}
+c = {{ default = 9.0 }}
+s = {{ default = 1.0 }}
+[effects.own]
+over = "site(i)"
+energy = "0.35*w[i].x^2 + w[i].y^2/3 + 0.4*w[i].z"
+[effects.edge]
+energy = "{law}"
+{more}""")
+
+
+ENDS, JUMPS = "nothing*sqrt(s*(c - w[0].x))", "if(s*w[0].x > s*c, w[0].y, 0)"
+COUPLING = '[effects.pair]\nover = "pair(i, j) of w"\nenergy = "0.3*dot(w[i], w[j])"\n'
+
+
+@pytest.mark.parametrize("law", [ENDS, JUMPS], ids=["ends", "jumps"])
+@pytest.mark.parametrize("more, solver, seeds", [("", "auto", 40), (COUPLING, "newton", 120)], ids=["alone", "newton"])
+def test_a_field_that_ends_or_jumps_an_ulp_beside_the_midpoint(law, more, solver, seeds):
+    """The step is that of one side, or is refused: also where the evaluations at its end are the first to see the other side."""
+    model, counts = smidgen.build(edge(law, more), solver=solver), {True: 0, False: 0}
+    for seed, s in itertools.product(range(seeds), (1.0, -1.0)):
+        w = generic(2, seed)
+        sides = [model.set_parameters({"c": c, "s": s}).start(w.copy(), h=0.3).step().state()[0] for c in ((9*s,) if law == ENDS else (9.0, -9.0))]
+        c = unit([w[0] + sides[0]])[0, 0]
+        for ulps in (-1, 0, 1):
+            model.set_parameters({"c": c + ulps*np.spacing(c)}).start(w.copy(), h=0.3)
+            taken = model.advance(1) == 1
+            counts[taken] += 1
+            if taken:
+                assert min(np.abs(model.w[0] - side).max() for side in sides) < 1e-14
+            else:
+                refused(model, NOT_FINITE if law == ENDS else NO_CONVERGENCE)
+    assert min(counts.values()) > seeds / 4
+
+
+def test_a_step_of_dop853_has_ten_thousand_tries():
+    """Its rate grows, so that none is given up before: the step that takes them all is taken, and one that is faster at its end is not."""
+    spec = smidgen.load_text("""
+[model]
+name = "chirp"
+[space]
+w = { sphere = 1 }
+[parameters]
+late = { default = 1e3 }
+[effects.field]
+over = "site(i)"
+energy = "(1 + t + exp(400*(t - late)))*w[i].z"
+""")
+    model, w, most = smidgen.build(spec, method="dop853"), unit([[0.6, 0, 0.8]]), 10000
+    tries = model.start(w.copy(), h=59.0).step().report()["iterations"]         # none of them is refused
+    for h in 59.0 * np.sqrt(most / tries) * (1 + np.arange(8) * 0.4 / most):
+        if model.start(w.copy(), h=h).step().report()["iterations"] == most:
+            break
+    assert model.report()["iterations"] == most
+    error = refused(model.set_parameters({"late": h - 0.02}).start(w.copy(), h=h), NO_CONVERGENCE)
+    assert most - 10 < model.report()["iterations"] < most and 0.999 < error.reached < 1
 
 
 # -- sweeps ---------------------------------------------------------------------------------------

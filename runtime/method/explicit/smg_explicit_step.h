@@ -78,9 +78,6 @@ static smg_status smg_step(smg_state *s) {
 #if SMG_COMPOSED
   (void)smg_stage_weights;
 #endif
-#if SMG_BY_ROWS
-  if (s->rows) return smg_row_steps(s, 1);
-#endif
   if (s->history == 0) smg_begin_lengths(s);
   smg_begin_report(s);
   const int64_t failed = smg_move(s);
