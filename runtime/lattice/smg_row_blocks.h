@@ -144,7 +144,7 @@ SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *
     const int64_t row = ((v.cell[3] * n[2] + v.cell[2]) * n[1] + v.cell[1]) * n[0];
     for (int64_t lane = 0; lane < SMG_WIDEST; ++lane) {
       const int64_t x = v.cell[0] + along[lane];
-      visit(context, (row + cells[lane] + (x < n[0] ? x : x - n[0])) * SMG_PLACES + v.sub, v.slot + lane);
+      visit(context, smg_numbered_site(c, row + cells[lane] + (x < n[0] ? x : x - n[0]), v.sub), v.slot + lane);
     }
   } while (smg_next_vector(b, &v));
 }

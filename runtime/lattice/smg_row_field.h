@@ -11,11 +11,12 @@
 #define SMG_HESSIAN_EVER smg_hessian_row_norm
 #endif
 
-/* The largest of a bound at all sites, one where all are alike. */
-#if SMG_SITE_VALUES
+/* The largest of a bound at all sites, one of each family where all are alike. */
+#if SMG_SITE_VALUES || SMG_FAMILIES > 1
 static smg_real smg_at_all_sites(const smg_coefficients *c, smg_real (*bound)(const smg_coefficients *c, int64_t k)) {
   smg_real most = 0;
-  for (int64_t k = 0; k < smg_sites(c); ++k) smg_take(&most, bound(c, k));
+  for (int64_t k = 0; k < smg_sites(c); k += SMG_SITE_VALUES ? 1 : smg_sites(c) / SMG_FAMILIES)
+    smg_take(&most, bound(c, k));
   return most;
 }
 #else

@@ -44,6 +44,18 @@ static inline int64_t smg_shift(int64_t sub);
 static inline int64_t smg_rank(int64_t sub);
 static inline int64_t smg_place(int64_t colour, int64_t rank);
 
+/* Families stand one after the other, each with so many places of every cell: the number of the site at a place of a
+ * cell, and the place of a site. */
+#define SMG_HOME_PLACES (SMG_PLACES / SMG_FAMILIES)
+SMG_INLINE int64_t smg_numbered_site(const smg_coefficients *c, int64_t cell, int64_t sub) {
+  return SMG_FAMILIES > 1
+             ? (sub / SMG_HOME_PLACES * (smg_sites(c) / SMG_PLACES) + cell) * SMG_HOME_PLACES + sub % SMG_HOME_PLACES
+             : cell * SMG_PLACES + sub;
+}
+static inline int64_t smg_place_of_site(const smg_coefficients *c, int64_t site) {
+  return (SMG_FAMILIES > 1 ? site / (smg_sites(c) / SMG_FAMILIES) * SMG_HOME_PLACES : 0) + site % SMG_HOME_PLACES;
+}
+
 /* One row: its colour, place and cells; s0 of its first site, how many there are, and the slot of the first; kind: that
  * of all rows with these s2 and s3. */
 typedef struct smg_lattice_row {
@@ -279,17 +291,16 @@ static inline int64_t smg_offsets(int64_t sub, smg_offset *beside);
 /* The number of the site that is the n-th beside one, -1 beyond an open end. */
 static inline int64_t smg_site_beside(const smg_coefficients *c, int64_t site, int64_t n) {
   smg_offset all[SMG_BESIDES];
-  const smg_offset *o = all + n;
-  int64_t cell = site / SMG_PLACES, found = 0, size = SMG_PLACES;
-  if (n >= smg_offsets(site % SMG_PLACES, all)) return -1;
+  int64_t cell = site / SMG_HOME_PLACES, found = 0, size = 1;
+  if (n >= smg_offsets(smg_place_of_site(c, site), all)) return -1;
   for (int d = 0; d < 4; ++d) {
-    const int64_t cells = smg_cells(c, d), to = cell % cells + o->cell[d];
-    if (!(o->ring >> d & 1) && (to < 0 || to >= cells)) return -1;
+    const int64_t cells = smg_cells(c, d), to = cell % cells + all[n].cell[d];
+    if (!(all[n].ring >> d & 1) && (to < 0 || to >= cells)) return -1;
     found += size * ((to % cells + cells) % cells);
     size *= cells;
     cell /= cells;
   }
-  return found + o->sub;
+  return smg_numbered_site(c, found, all[n].sub);
 }
 
 /* What stands there beside a row. */

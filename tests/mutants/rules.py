@@ -162,7 +162,7 @@ IN_ROWS = (
     (ROWS, r"SMG_REACH_1 \+ s1 % SMG_ROW_STEP", "SMG_REACH_1"),
     (ROWS, r"run->sites == run->length", r"1"),
     (ROW_STATE, r"s->rows = s->row_bound <= SMG_ROW_BOUND", r"s->rows = 1"),
-    (ROW_SLOTS, r"cell \* SMG_PLACES \+ at\.sub", r"cell * SMG_PLACES"),
+    (ROW_SLOTS, r"smg_numbered_site\(c, cell, at\.sub\)", r"smg_numbered_site(c, cell, 0)"),
     (ROW_STATE, r"past \+ j \* n3", r"past"),
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
     (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),

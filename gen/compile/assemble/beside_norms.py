@@ -11,7 +11,7 @@ from ..lower.kernels import COEFFICIENTS
 from .bond_values import two_ended
 from .extent import OneTime
 from .row_bounds import Spins, block_norms
-from .rows import beside, bonds_of, neighbours, row_roles
+from .rows import beside, bonds_of, neighbours, radii_of, row_roles
 from .site_values import differs
 
 
@@ -21,7 +21,7 @@ def beside_norms(model, low, found):
     if found.norm is None or found.rated or any(differs(t) or two_ended(t) for t, _ in roles):
         return None
     at = OneTime(low) if found.timely else low
-    blocks = {(t.prefix, k): block_norms(at, t, k, Spins(low, t, model.families[0].family.radius)) for t, k in roles}
+    blocks = {(t.prefix, k): block_norms(at, t, k, Spins(low, t, radii_of(model))) for t, k in roles}
     kernels = [low.kernel(of_place(model, found, roles, blocks, sub), {}) for sub in range(found.over.sites)]
     return None if any(k.values for k in kernels) else [k.results for k in kernels]
 

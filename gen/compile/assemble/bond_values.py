@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from ...language.spec import Lattice
 from ..lower.code import Argument, Assign, Call, Function, If, Let, Name, Return, Scope, Variable, mentions
-from ..lower.integers import ZERO, Computed, Index, compare, modulo, total, whole
+from ..lower.integers import ZERO, Computed, Index, Int, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from .families import returned
 from .site_values import Sited, lane_gradient, parted
@@ -18,20 +18,28 @@ SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 @dataclass(frozen=True)
 class Role:
     """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?
-    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site?"""
+    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site? own, other: the first sites of the families of both."""
     slot: int
     bond: tuple
     beside: int
     first: bool
     number: str = ""
     based: bool = True
+    own: Int = ZERO
+    other: Int = ZERO
+
+    @property
+    def ends(self) -> tuple:
+        """This site, k, and the one beside it, as their families number them."""
+        return Index("k") - self.own, Index("other") - self.other
 
 
 @dataclass(frozen=True)
 class Bonded(Sited):
-    """A term on bonds; numbers: the functions of the numbers of its bonds; roles: for each place the `Role`s in which its sites feel it; ends: the functions of the bounds of one bond, by slot: (of the
+    """A term on bonds; numbers: the functions of the numbers of its bonds; roles: for each place the `Role`s in which its sites feel it; place: that of site k; ends: the functions of the bounds of one bond, by slot: (of the
     field of no spins, of the Hessian)."""
     roles: tuple = ()
+    place: Int = ZERO
     ends: tuple = ()
     numbers: tuple = ()
 
@@ -52,9 +60,12 @@ class Bonded(Sited):
         """The statements that return each number of a site, in their order; 0 where it has none."""
         return [self.returned(n // len(self.values), self.values[n % len(self.values)]) for n in range(self.width)]
 
+    def bound(self, f: Function) -> Call:
+        return Call(f.name, (Name("c"), Index("k")))
+
     def returned(self, n: int, f: Function) -> tuple:
         """Of the n-th role of each place."""
-        return (Let("k", Index("site")), *by_sub(self.roles, lambda some: found_end(some[n], (Return(ended(f, some[n])),)) if n < len(some) else ()), Return(ZERO))
+        return (Let("k", Index("site")), *by_sub(self.roles, self.place, lambda some: found_end(some[n], (Return(ended(f, some[n])),)) if n < len(some) else ()), Return(ZERO))
 
 
 def two_ended(t) -> bool:
@@ -65,18 +76,17 @@ def two_ended(t) -> bool:
     return told and bool(set(t.over.bound) & mentions(*gradient.body))
 
 
-def bonded(low, t, first: int, roles, bounds, numbers=()) -> Bonded:
+def bonded(low, t, first: int, homes, roles, place, bounds, numbers=()) -> Bonded:
     """bounds(k): (of the field of no spins, of the Hessian) of one bond in the row of slot k; None where nobody asks."""
     gradient, values = bond_partings(low, t)
     functions = tuple(of_bond(low, t, symbol.name, e) for e, symbol in values.items())
     ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in (0, 1))
-    sums = [sum_of(t, what, n, roles, ends) if all(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
-    return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, roles, ends, tuple(numbers))
+    sums = [sum_of(t, what, n, roles, place, ends) if all(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
+    return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, homes, roles, place, ends, tuple(numbers))
 
 
-def number_functions(loops, t) -> list:
-    """The number of each bond of the list, from the site in its base cell."""
-    over = t.over
+def number_functions(loops, t, over) -> list:
+    """The number of each bond of the list, from the site in its base cell; over: the bonds as the families number their sites."""
     place = tuple(line for line in loops.cell_of_site(over) if line.name != "sub")
     cells = [Index(f"s{d}") for d in range(len(over.size))]
     return [Function("int64_t", number_name(t, n), (COEFFICIENTS, Argument("int64_t", "site")), (*place, Return(loops.bond_number(over, n, cells))))
@@ -104,8 +114,9 @@ def of_bond(low, t, what: str, e) -> Function:
 
 def ended(f: Function, role: Role) -> Call:
     """That number of the bond of a role, of site k and the one beside it."""
-    number = (Computed(role.number, (Index("c"), Index("k" if role.based else "other"))),) if role.number else ()
-    return Call(f.name, (Name("c"), *((Index("k"), Index("other")) if role.first else (Index("other"), Index("k"))), *number))
+    own, other = role.ends
+    number = (Computed(role.number, (Index("c"), own if role.based else other)),) if role.number else ()
+    return Call(f.name, (Name("c"), *((own, other) if role.first else (other, own)), *number))
 
 
 def found_end(role, body) -> tuple:
@@ -114,16 +125,15 @@ def found_end(role, body) -> tuple:
     return (other, If((compare(Index("other"), ">=", ZERO),), body))
 
 
-def by_sub(roles, body_of) -> tuple:
+def by_sub(roles, place, body_of) -> tuple:
     """Statements for the sites of each place."""
     if len(roles) == 1:
         return body_of(roles[0])
-    place = modulo(Index("k"), total(len(roles)))
     return tuple(If((compare(place, "==", total(sub)),), body_of(some)) for sub, some in enumerate(roles) if body_of(some))
 
 
-def sum_of(t, what: str, n: int, roles, ends) -> Function:
+def sum_of(t, what: str, n: int, roles, place, ends) -> Function:
     """A bound at site k: the sum of those of its bonds."""
     def added(some):
         return tuple(Scope(found_end(role, (Assign(Name("sum"), ended(ends[role.slot][n], role), "+="),))) for role in some)
-    return Function("smg_real", f"{t.prefix}_{what}", SITE, (Variable("smg_real", "sum", ZERO), *by_sub(roles, added), Return(Name("sum"))))
+    return Function("smg_real", f"{t.prefix}_{what}", SITE, (Variable("smg_real", "sum", ZERO), *by_sub(roles, place, added), Return(Name("sum"))))

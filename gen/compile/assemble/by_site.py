@@ -22,14 +22,24 @@ def of_lattices(model) -> str | None:
     return "" if not found else "its bonds belong to several lattices" if len(found) > 1 else None
 
 
+def of_space(model) -> str | None:
+    """The families."""
+    return next(filter(None, (of_family(model, f) for f in model.families)), None)
+
+
 def of_family(model, f) -> str | None:
-    """The space."""
-    if len(model.families) > 1:
-        return f"there are {len(model.families)} families"
+    if len(model.families) > 1 and (f.tracer or not model.lattices(f.name)):
+        return f"`{f.name}` is a family of tracers" if f.tracer else f"`{f.name}` has no bonds of the lattice"
     if f.kind != "sphere":
         return f"`{f.name}` is not a family of spheres"
-    unlike = "kappa" if model.method.splitting == "pairs" and several(f.family.kappa, f.kappa) else "radius" if several(f.family.radius, f.radius) and not model.method.of_midpoints else ""
-    return f"the {unlike} of `{f.name}` differs from site to site" if unlike else None
+    unlike = "kappa" if model.method.splitting == "pairs" and unlike_in(model, "kappa", f) else "radius" if unlike_in(model, "radius", f) and not model.method.of_midpoints else ""
+    return f"the {unlike} of `{f.name}` differs from " + ("site to site" if several(getattr(f.family, unlike), getattr(f, unlike)) else "that of another family") if unlike else None
+
+
+def unlike_in(model, what: str, *families) -> bool:
+    """May kappa, or the radius, differ from site to site, or from that of the first family? families: of some, of all where there are none."""
+    first = getattr(model.families[0].family, what)
+    return any(getattr(f.family, what) != first or several(getattr(f.family, what), getattr(f, what)) for f in families or model.families)
 
 
 def several(formula, kernel) -> bool:
@@ -67,10 +77,10 @@ def of_term(low, t) -> str | None:
     return None
 
 
-def of_radii(f, terms) -> str | None:
-    """Where radii differ: bounds of a Hessian that is not the same at all states are those of one radius."""
-    curved = next((t for t in terms if several(f.family.radius, f.radius) and bends(t)), None)
-    return f"the radius of `{f.name}` differs from site to site, and the energy of {curved.called} is not quadratic" if curved else None
+def of_radii(model, terms) -> str | None:
+    """Where radii differ: bounds of a Hessian that is not the same at all states are those of one radius of each family."""
+    curved = next(((f, t) for t in terms for f in model.families if f.name in [name for name, _ in t.slots] and several(f.family.radius, f.radius) and bends(t)), None)
+    return f"the radius of `{curved[0].name}` differs from site to site, and the energy of {curved[1].called} is not quadratic" if curved else None
 
 
 def of_absent(t) -> str | None:

@@ -19,6 +19,8 @@ class Distributed(Asked):
         if model.in_rows is None or not model.method.midpoint:
             raise UsageError("feature distributed: only lattices processed by rows with a midpoint method can be divided"
                              + f". This one goes site by site, because {model.why_by_site}" * bool(model.why_by_site))
+        if len(model.families) > 1:
+            raise UsageError("feature distributed: the sites of several families are not stored layer by layer, so the lattice cannot be divided")
         if model.in_rows.timely:
             raise UsageError("feature distributed: the bounds of this model grow with time, so that not every step is processed by rows")
         for term in (*model.spec.energies, *model.spec.observables):

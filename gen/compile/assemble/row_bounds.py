@@ -14,15 +14,14 @@ from .norms import isotropic, spectral_bound
 
 
 class Spins:
-    """The vectors of a term where none is longer than r; ends: the least and the largest value of each component, and of a symbol for each of their products."""
+    """The vectors of a term where none is longer than the radius of its family; ends: the least and the largest value of each component, and of a symbol for each of their products."""
 
-    def __init__(self, low, t, radius):
-        value, leaves = scalar(radius)
-        low.leaves.update(leaves)
-        r, vectors = low.number_values(value), t.derived.vectors
+    def __init__(self, low, t, radii):
+        vectors, r = t.derived.vectors, [length(low, radii[family]) for family, _ in t.slots]
+        pairs = {sp.Dummy(real=True): (n, m) for n in range(len(vectors)) for m in range(n, len(vectors))}
         self.components = {x for v in vectors for x in v}
-        self.products = {sp.Dummy(real=True): (v, w) for n, v in enumerate(vectors) for w in vectors[n:]}
-        self.ends = {**{x: (-r, r) for x in self.components}, **{p: (-r ** 2, r ** 2) for p in self.products}}
+        self.products = {p: (vectors[n], vectors[m]) for p, (n, m) in pairs.items()}
+        self.ends = {**{x: (-r[n], r[n]) for n, v in enumerate(vectors) for x in v}, **{p: (-r[n] * r[m], r[n] * r[m]) for p, (n, m) in pairs.items()}}
 
     def named(self, e):
         """With their symbols for products of vectors that stand there as such, expanded."""
@@ -54,6 +53,12 @@ class Spins:
         return e.is_polynomial(*self.components) and not is_large(e, *MOST)
 
 
+def length(low, radius):
+    value, leaves = scalar(radius)
+    low.leaves.update(leaves)
+    return low.number_values(value)
+
+
 def terms(e) -> int:
     return len(sp.Add.make_args(e)) if e != 0 else 0
 
@@ -67,16 +72,16 @@ def replaced(e, product, v, w):
     return sp.expand(e.subs(v[2] * w[2], product - v[0] * w[0] - v[1] * w[1]))
 
 
-def bounds_of_terms(low, terms, radius, stepped: bool) -> tuple:
-    """({(prefix, slot): bounds}, whether some hold at the time of one step alone); stepped: may they?"""
-    bounds = {(t.prefix, k): bounds_of_term(low, t, k, radius) for t in terms for k in range(len(t.slots))}
-    timely = {(t.prefix, k): bounds_of_term(OneTime(low), t, k, radius) for t in terms for k in range(len(t.slots)) if stepped and None in bounds[t.prefix, k]}
+def bounds_of_terms(low, terms, radii, stepped: bool) -> tuple:
+    """({(prefix, slot): bounds}, whether some hold at the time of one step alone); radii: of each family; stepped: may they?"""
+    bounds = {(t.prefix, k): bounds_of_term(low, t, k, radii) for t in terms for k in range(len(t.slots))}
+    timely = {(t.prefix, k): bounds_of_term(OneTime(low), t, k, radii) for t in terms for k in range(len(t.slots)) if stepped and None in bounds[t.prefix, k]}
     return {**bounds, **timely}, bool(timely)
 
 
-def bounds_of_term(low, t, k: int, radius) -> tuple:
+def bounds_of_term(low, t, k: int, radii) -> tuple:
     """(of the field of no spins, of the Hessian) in the row of slot k; None where there is none."""
-    return rest_norm(low, t, k), hessian_norm(low, t, k, Spins(low, t, radius))
+    return rest_norm(low, t, k), hessian_norm(low, t, k, Spins(low, t, radii))
 
 
 def bends(t) -> bool:

@@ -1,7 +1,7 @@
 """Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/lattice/smg_rows.h).
 
-They serve one family of spheres, alone on a lattice of several colours, all alike: a constant strength and radius, and a quadratic
-energy whose terms are the same in every cell, or differ by numbers that stand in arrays by slots. They may depend on time where a bound is known that holds at all times: a state goes by
+They serve families of spheres on one lattice of several colours, whose energy has terms that are the same in every cell, or differ by numbers that stand in arrays by slots; several families are places
+of one cell (common_cell.py). They may depend on time where a bound is known that holds at all times: a state goes by
 rows or it does not, whatever the time is.
 """
 from __future__ import annotations
@@ -18,8 +18,9 @@ from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
-from .by_site import of_absent, of_family, of_lattices, of_laws, of_numbers, of_radii, of_term, several
-from .families import SITE
+from .by_site import of_absent, of_lattices, of_laws, of_numbers, of_radii, of_space, of_term, unlike_in
+from .common_cell import homes_of, in_cells, lattices, place_of, roles
+from .families import SITE, by_family
 from .lanes import in_lanes, named
 from .norms import row_sums
 from .pairs import slope_bound
@@ -36,7 +37,7 @@ REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 
 @dataclass(frozen=True)
 class Rows:
-    """The lattice, its colouring, and bounds of a row: of the field of no spins; of the Hessian, at all times; of the slopes of bonds.
+    """The lattice, its colouring, and bounds of a row, for each family: of the field of no spins; of the Hessian, at all times; and a bound of the slopes of bonds.
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
     place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii? timely: do bounds hold at the time of a step alone?
@@ -76,58 +77,64 @@ class Rows:
 
 def rows(model, low):
     """`Rows`, or why they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
-    f, laws = model.families[0], laws_of(model.contributions)
-    over = one_lattice(model.lattices(f.name))
+    laws, over = laws_of(model.contributions), one_lattice(lattices(model))
     why_not = of_lattices(model)
-    why_not = why_not if why_not is not None else of_family(model, f) or of_laws(model, laws) or (None if over else "its sites have no bonds")
-    if why_not is None and not (model.method.takes_fields or turned(model) or paired(model) or midpoint_rows(model, f)):
+    why_not = why_not if why_not is not None else of_space(model) or of_laws(model, laws) or (None if over else "its sites have no bonds")
+    if why_not is None and not (model.method.takes_fields or turned(model) or paired(model) or midpoint_rows(model)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
         return why_not
     if paired(model):
         return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound"
-    return held_rows(rows_of(model, low, f, over, whole_terms(model, low), differing(model, law := laws.get(f.name), f.name)), model, low, law)
+    return held_rows(rows_of(model, low, over, whole_terms(model, low), differing(model, laws)), model, low, next(iter(laws.values()), None))
 
 
-def rows_of(model, low, f, over, whole, laws):
-    """The same, by the terms; whole: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
-    terms, bounded, radii = [whole.get(t.prefix, t) for t in model.fields], not model.method.takes_fields, several(f.family.radius, f.radius)
-    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, whole.values())), None)
+def rows_of(model, low, over, some, laws):
+    """The same, by the terms; some: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
+    whole, bounded, rated, radii = in_cells(model, some, over), not model.method.takes_fields, unlike_in(model, "kappa"), unlike_in(model, "radius")
+    terms = [whole.get(t.prefix, t) for t in model.fields]
+    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, some.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + several(f.family.kappa, f.kappa) + radii + len(laws)) or of_radii(f, terms)
+    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + rated + radii + len(laws)) or of_radii(model, terms)
     if why_not:
         return why_not
-    bounds, timely = bounds_of_terms(low, terms, f.family.radius, model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
+    bounds, timely = bounds_of_terms(low, terms, radii_of(model), model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
-    found = Rows(over, colouring(model.lattices(f.name)), *(alike(model, low, f, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=several(f.family.kappa, f.kappa), differing=laws, radii=radii, timely=timely)
-    if not fits(found, model.lattices(f.name), KNOWN if bounded else AT_HAND):
-        return f"{longest(model, f)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
-    alone = sited(low, apart, lambda t: bounds[t.prefix, 0])
-    return replace(found, sited={**alone, **bonds_of_terms(low, model.loops, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
+    found = Rows(over, colouring(lattices(model)), *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely)
+    if not fits(found, lattices(model), KNOWN if bounded else AT_HAND):
+        return f"{longest(model)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
+    alone = sited(low, apart, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
+    return replace(found, sited={**alone, **bonds_of_terms(model, low, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
+
+
+def radii_of(model) -> dict:
+    """Of each family."""
+    return {f.name: f.family.radius for f in model.families}
 
 
 def roles_of(model, t, places: int, whole) -> tuple:
     """How the sites of each place feel a term on bonds that differ."""
     def of(sub):
         beside_it = neighbours(model, sub, whole)
-        return tuple(role(t, k, bond, beside_it.index(beside(t, bond, k, 1 - k))) for k in (0, 1) for bond in bonds_of(t, k, sub))
+        return tuple(role(model, t, k, bond, beside_it.index(beside(t, bond, k, 1 - k))) for k in (0, 1) for bond in bonds_of(t, k, sub))
     return tuple(map(of, range(places)))
 
 
-def role(t, k: int, bond, beside_it: int) -> Role:
-    own = t.over.indices.index(t.slots[k][1])
+def role(model, t, k: int, bond, beside_it: int) -> Role:
+    own, firsts = t.over.indices.index(t.slots[k][1]), [model.by_name[family].first for family, _ in t.slots]
     number = number_name(t, t.over.bonds.index(bond)) if t.over.number else ""
-    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]))
+    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]), firsts[k], firsts[1 - k])
 
 
-def bonds_of_terms(low, loops, terms, roles, first: int, bounds) -> dict:
+def bonds_of_terms(model, low, terms, roles, first: int, bounds) -> dict:
     """{prefix: `Bonded`}."""
-    found = {}
+    found, overs = {}, {t.prefix: t.over for t in model.fields}
     for t in terms:
-        found[t.prefix] = bonded(low, t, first, roles[t.prefix], lambda k: bounds[t.prefix, k], number_functions(loops, t))
+        numbers, place = number_functions(model.loops, t, overs[t.prefix]), place_of(model, t.over.sites)
+        found[t.prefix] = bonded(low, t, first, homes_of(model, t), roles[t.prefix], place, lambda k: bounds[t.prefix, k], numbers)
         first += found[t.prefix].width
     return found
 
@@ -151,7 +158,7 @@ def one_lattice(overs):
 
 def turned(model) -> bool:
     """Does an explicit method turn the sites of a colour in the field of the others?"""
-    return model.method.splitting == "sublattices" and not model.features
+    return model.method.splitting == "sublattices" and not model.features and sublattices(model.spec) is not None
 
 
 def paired(model) -> bool:
@@ -161,29 +168,28 @@ def paired(model) -> bool:
 
 def pair_rows(model, low, over):
     """Where all bonds have two ends, and slopes f'(w_i.w_j) that are the same in every cell and have a bound."""
-    lattices = model.lattices(model.families[0].name)
-    found = Rows(over, colouring(lattices), None, slopes=slope_bound(model, low))
+    found = Rows(over, colouring(lattices(model)), None, slopes=slope_bound(model, low))
     same = found.colours == sublattices(model.spec).colours and all(len(t.over.indices) == 2 for t in model.energies if t.slots)
-    return found if same and found.slopes is not None and fits(found, lattices) else None
+    return found if same and found.slopes is not None and fits(found, lattices(model)) else None
 
 
-def midpoint_rows(model, f) -> bool:
+def midpoint_rows(model) -> bool:
     """May midpoints be swept by rows, under a bound that tells for which h sweeps converge?"""
     plan, method = model.plan, model.method
     swept = plan.rotation if method.onto_leaf else plan.auto and plan.solver != "dense" and not method.divided
-    return swept and plan.coupled == (f.name,) and "extended" not in model.features
+    return swept and not plan.local and "extended" not in model.features
 
 
-def longest(model, f) -> str:
+def longest(model) -> str:
     """The term whose bonds reach farthest."""
     reaches = {t.called: max(sum(abs(a - b) for a, b in zip(one, other)) for bond in t.over.bonds for (_, one), (_, other) in product(bond, bond))
-               for t, _ in model.roles(f.name) if isinstance(t.over, Lattice)}
+               for t, _ in roles(model) if isinstance(t.over, Lattice)}
     return max(reaches, key=reaches.get)
 
 
 def many_kinds(model) -> int:
     """How many kinds of rows, where they are too many for the stack; else 0."""
-    kinds = kinds_of_rows(model.in_rows.colours, model.lattices(model.families[0].name))
+    kinds = kinds_of_rows(model.in_rows.colours, lattices(model))
     return kinds if kinds > AT_HAND else 0
 
 
@@ -196,12 +202,12 @@ def fits(found: Rows, lattices, kinds: int = KNOWN) -> bool:
     return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= kinds
 
 
-def alike(model, low, f, whole, bounds, which: int):
-    """The sum of a bound over the terms that all sites have alike."""
+def alike(model, low, whole, bounds, which: int) -> tuple:
+    """Of each family, the sum of a bound over the terms that all sites have alike."""
     def norm(t, k):
         t = whole.get(t.prefix, t)
         return 0 if differs(t) or two_ended(t) else bounds[t.prefix, k][which]
-    return row_sums(model, low, f, norm)
+    return tuple(row_sums(model, low, f, norm) for f in model.families)
 
 
 # What the model says of them
@@ -224,20 +230,23 @@ def row_functions(model) -> list:
 
 def bounds_of_a_row(model) -> list:
     """Those that midpoints and turns ask for: of the field of no spins; of the Hessian, where sweeps from site to site have another one or none."""
-    found, apart = model.in_rows, model.in_rows.sited.values()
-    said = (("smg_rest_field_norm", found.rest, [one.rest for one in apart if one.rest]),
-            ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, [one.norm for one in apart if one.norm]))
-    bounds = [(name, rated(found, with_sites(bound, some))) for name, bound, some in said if bound is not None and (name, bound) != swept(model)]
-    return [Function("smg_real", name, SITE, (Return(bound),), wanted=True) for name, bound in bounds]
+    found = model.in_rows
+    said = (("smg_rest_field_norm", found.rest, "rest"), ("smg_row_hessian_norm" if bounded_apart(model) else "smg_hessian_row_norm", found.norm, "norm"))
+
+    def at_site(f, bounds, which):
+        apart = [one.bound(getattr(one, which)) for one in found.sited.values() if getattr(one, which) and one.moves(f.name)]
+        return (Return(rated(found, with_sites(bounds[model.families.index(f)], apart))),)
+    return [by_family("smg_real", name, SITE, lambda f, b=bounds, w=which: at_site(f, b, w), model.families, wanted=True)
+            for name, bounds, which in said if bounds is not None and (name, bounds) != swept(model)]
 
 
 def swept(model) -> tuple:
-    """The bound that sweeps from site to site have, at the time of their step."""
-    return "smg_hessian_row_norm", (model.reach or {}).get(model.families[0].name)
+    """The bounds that sweeps from site to site have, at the time of their step."""
+    return "smg_hessian_row_norm", tuple((model.reach or {}).get(f.name) for f in model.families)
 
 
 def bounded_apart(model) -> bool:
-    """Do those sweeps have another one?"""
+    """Do those sweeps have others?"""
     return model.reach is not None and (model.in_rows.rated or model.in_rows.norm not in (None, swept(model)[1]))
 
 
@@ -276,13 +285,13 @@ def row_settings(model) -> dict:
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
     return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_ROW_FIELDS" if model.method.by_field else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
-            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not model.is_linear(model.families[0].name)), "SMG_BESIDES": besides(model),
+            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not all(model.is_linear(f.name) for f in model.families)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
 
 def in_blocks(model) -> bool:
     """May the lattice stand in blocks? Where all bonds close around it, and sites turn alone."""
-    closed = all(closes for over in model.lattices(model.families[0].name) for closes in over.periodic)
+    closed = all(closes for over in lattices(model) for closes in over.periodic)
     return closed and not model.pairs and not model.method.takes_fields
 
 
@@ -307,7 +316,7 @@ def row_terms(model) -> list:
 def row_roles(model, whole=None) -> list:
     """The effects and slots through which a site feels something."""
     whole = model.in_rows.whole if whole is None else whole
-    return [(whole.get(t.prefix, t), k) for t, k in model.roles(model.families[0].name)]
+    return [(whole.get(t.prefix, t), k) for t, k in roles(model)]
 
 
 def neighbours(model, sub: int, whole=None) -> list:
@@ -407,7 +416,7 @@ def beside(t, bond, k: int, q: int) -> Beside:
 
 def rings(model) -> int:
     """The directions that close for some bond, as bits."""
-    over = model.lattices(model.families[0].name)
+    over = lattices(model)
     return sum(1 << d for d in range(len(over[0].size)) if any(one.periodic[d] for one in over))
 
 

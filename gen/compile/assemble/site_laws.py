@@ -19,12 +19,23 @@ def pushes(law: Response) -> bool:
     return any(x != Num(0) for x in (*law.F0, *law.Q0))
 
 
-def differing(model, law: Response | None, name: str) -> tuple:
-    """Which of f, q, F0, Q0 differ from site to site, of the law of those that move: with those that do not, where these are told apart by nothing else."""
-    if law is None or not (indexed(law) or model.moving and pushes(law)):
+def differing(model, laws: dict) -> tuple:
+    """Which of f, q, F0, Q0 differ from site to site, of the laws of those that move: with those that do not, where these are told apart by nothing else."""
+    all_laws = [laws.get(f.name, Response()) for f in model.families]
+    if not laws or not (unlike(all_laws) or any(indexed(law) or model.moving and pushes(law) for law in all_laws)):
         return ()
-    values = model.responding[name].results
-    return tuple(n for n, e in enumerate(formulas(model.responses[name])) if index_names(e) and not values[n].is_number(0))
+    return tuple(n for n in range(SIZE) if varies(model, n))
+
+
+def unlike(laws) -> bool:
+    return any(formulas(law) != formulas(laws[0]) for law in laws)
+
+
+def varies(model, n: int) -> bool:
+    """Does that number, which is not 0, differ from site to site, or from family to family?"""
+    found = [formulas(model.responses.get(f.name, Response()))[n] for f in model.families]
+    some = [e for e, f in zip(found, model.families) if not model.responding[f.name].results[n].is_number(0)]
+    return any(index_names(e) for e in some) or bool(some) and any(e != found[0] for e in found)
 
 
 def law_functions(found) -> list:

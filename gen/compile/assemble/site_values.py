@@ -22,12 +22,14 @@ MOST = 8        # numbers a site: with more of them, arrays take as much memory 
 
 @dataclass(frozen=True)
 class Sited:
-    """A term: its gradient in lanes, the functions of its values and the number of the first; bounds at a site of the field of no spins, and of the Hessian."""
+    """A term: its gradient in lanes, the functions of its values and the number of the first; bounds at a site of the field of no spins, and of the Hessian; the families of its sites, the first
+    of which has its values."""
     gradient: Function
     values: tuple
     first: int
     rest: Function | None
     norm: Function | None
+    homes: tuple
 
     @property
     def width(self) -> int:
@@ -36,7 +38,15 @@ class Sited:
 
     def calls(self) -> list:
         """The statements that return each."""
-        return [value_call(f.name) for f in self.values]
+        return [self.homes[0].value(f.name) for f in self.values]
+
+    def bound(self, f: Function) -> Call:
+        """That bound at site k."""
+        return Call(f.name, (Name("c"), Index("k") - self.homes[0].first))
+
+    def moves(self, family: str) -> bool:
+        """Do sites of that family feel it?"""
+        return any(home.name == family for home in self.homes)
 
     @property
     def functions(self) -> list:
@@ -96,13 +106,13 @@ def partings(low, t) -> tuple:
     return [parted(low, low.number_values(x), values) for x in t.derived.gradient[0]], values
 
 
-def sited(low, terms, bounds) -> dict:
-    """{prefix: `Sited`} of the terms that differ; bounds(term): of the field of no spins and of the Hessian at a site, None where nobody asks."""
+def sited(low, terms, homes, bounds) -> dict:
+    """{prefix: `Sited`} of the terms that differ; homes(term): the families of its sites; bounds(term): of the field of no spins and of the Hessian at a site, None where nobody asks."""
     found, first = {}, 0
     for t in terms:
         gradient, values = partings(low, t)
         ends = [None if e is None else of_site(low, t, what, e) for what, e in zip(("rest", "norm"), bounds(t))]
-        found[t.prefix] = Sited(lane_gradient(low, t, gradient, values), tuple(of_site(low, t, symbol.name, e) for e, symbol in values.items()), first, *ends)
+        found[t.prefix] = Sited(lane_gradient(low, t, gradient, values), tuple(of_site(low, t, symbol.name, e) for e, symbol in values.items()), first, *ends, homes(t))
         first += len(values)
     return found
 
@@ -153,9 +163,9 @@ def value_call(name: str) -> tuple:
     return (Return(Call(name, (Name("c"), Index("site")))),)
 
 
-def with_sites(bound, functions):
-    """A bound of what all sites have alike, and those of site k."""
-    apart = [Call(f.name, (Name("c"), Index("k"))) for f in functions]
+def with_sites(bound, apart):
+    """A bound of what all sites have alike, and those of site k: calls."""
+    apart = list(apart)
     if apart and not isinstance(bound, Ordered) and bound.is_number(0):
         bound = apart.pop(0)
     for one in apart:

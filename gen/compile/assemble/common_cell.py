@@ -1,0 +1,72 @@
+"""Several families on one lattice, by rows: their sites are places of one cell, those of a family behind those of the one before it.
+
+Nothing else of rows knows families. In a state they stand one after the other all the same: smg_numbered_site of runtime/lattice/smg_rows.h.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...language.spec import Lattice, Sites
+from ..lower.code import Call, If, Name, Return
+from ..lower.integers import ZERO, Computed, Index, Int, compare, modulo, total
+
+
+def roles(model) -> list:
+    """The effects and slots through which the sites of all families feel something."""
+    return [role for f in model.families for role in model.roles(f.name)]
+
+
+def lattices(model) -> list:
+    """Those of all bonds."""
+    return [common(model, t.over) for t, _ in roles(model) if isinstance(t.over, Lattice)]
+
+
+def common(model, over: Lattice) -> Lattice:
+    """The bonds between places of the common cell."""
+    names = [f.name for f in model.families]
+    first = [over.sites * names.index(home) for home in over.families or (over.family,) * len(over.indices)]
+    bonds = tuple(tuple((k + sub, offset) for k, (sub, offset) in zip(first, bond)) for bond in over.bonds)
+    return over if len(names) == 1 else replace(over, sites=len(names) * over.sites, bonds=bonds)
+
+
+def of_sites(model, over: Sites, cell: Lattice) -> Lattice:
+    """The places of a family."""
+    places = cell.sites // len(model.families)
+    first = places * [f.name for f in model.families].index(over.family)
+    return Lattice((over.index,), cell.size, cell.periodic, cell.sites, tuple(((sub, (0,) * len(cell.size)),) for sub in range(first, first + places)))
+
+
+def in_cell(model, t, cell: Lattice):
+    """A term over places of the common cell, if it is one of sites or of bonds."""
+    over = of_sites(model, t.over, cell) if isinstance(t.over, Sites) else common(model, t.over) if isinstance(t.over, Lattice) else t.over
+    return replace(t, derived=replace(t.derived, term=replace(t.derived.term, over=over)))
+
+
+def in_cells(model, whole: dict, cell: Lattice) -> dict:
+    """{prefix: the term in its place}, with the terms of several families over places of the common cell; whole: those that are others where some sites are absent."""
+    return whole if len(model.families) == 1 else {t.prefix: in_cell(model, whole.get(t.prefix, t), cell) for t in model.fields}
+
+
+def place_of(model, places: int) -> Int:
+    """The place of site k."""
+    return modulo(Index("k"), total(places)) if len(model.families) == 1 else Computed("smg_place_of_site", (Index("c"), Index("k")))
+
+
+@dataclass(frozen=True)
+class Home:
+    """The family of the sites that a term is about: its name; the number of its first site, and of the first of the next family, None of the last."""
+    name: str
+    first: Int
+    end: Int | None
+
+    def value(self, function: str) -> tuple:
+        """The statements that return a number of one of all sites, 0 of other families."""
+        number = (Return(Call(function, (Name("c"), Index("site") - self.first))),)
+        tests = (*[compare(Index("site"), ">=", self.first)] * (self.first != ZERO), *[compare(Index("site"), "<", self.end)] * (self.end is not None))
+        return (If(tests, number), Return(ZERO)) if tests else number
+
+
+def homes_of(model, t) -> tuple:
+    """Those of its slots."""
+    some = (model.by_name[name] for name, _ in t.slots)
+    return tuple(Home(f.name, f.first, None if f is model.families[-1] else f.first + f.count) for f in some)
