@@ -11,9 +11,9 @@ from pathlib import Path
 from .plant import Tree
 
 # Tests of what lies beside the step (reading, running, drawing, packing), and dear ones that ask again what others ask.
-BESIDE = re.compile(r"test_(plot|pictures_tell|player|demo|readme|package|cli|sections|start|hostile|limits|bad_specs|read\w*|hard_suite|mutants|covered|parse|pages|"
-                    r"determinism|witness|paper_numbers|build|run|settings|linking|stop|full_disk|hundred_kills|explain|symmetry|"
-                    r"advice|verify\w*|fuzz\w*|resume)\b")
+BESIDE = re.compile(r"^tests/(build|cli|covered|effects|frozen|fuzz|hard|language|linking|model|mutants|read|show|test_stages)"
+                    r"|test_(advice|bound_threads|contracts|determinism|distributed|doctor|explain|floors|format|full_disk|huge_pages|hundred_kills|includes|late_messages"
+                    r"|paper_numbers|plan|ranks|received|resume|rules|run|sections|spectrum|spin_waves|start|stop|verify|waves|witness)(_\w*)?\.py")
 RUNTIME = re.compile(r"test_(edges_of_runtime|runtime|krylov|band|sparse|follow|wide|unit|shown)")     # of the headers alone
 # In this order; tests that fit no line come last, and before all the runtime's, for a fault there.
 STAGES = (r"test_agreement.*(rigid_body|two_bodies|product|nambu_a3[48]|unusual|graph|moser)",
@@ -29,6 +29,8 @@ MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(com
                 ("one_stage slopes angles cf4 heun depondt isospectral geodesic exponential rattle explicit", r"test_(comparators|noise)|edges_of_steps"), ("axis", r"test_splittings"), ("sublattice", r"test_(splittings|sublattice)"),
                 ("pair_", r"test_(splittings|pair_rows)"), ("turn_", r"test_(sublattice|pair)_rows"),
                 ("compos stage_pred suzuki ss kl", r"test_compositions"), ("gauss", r"test_gauss"), ("dop853", r"test_dop853"),
+                ("dormand field_", r"test_(dormand_prince|field_rows)"), ("respond own_response", r"test_(response|damping|torque)"),
+                ("thermal random", r"test_noise"), ("parameters set_state", r"test_(parameters|set_state|shared_model)"), ("outputs", r"test_nearness|outputs"),
                 ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_batch lane_sphere lane_dop853 lane_extrapolation tableau_template dop853_template", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
             "runtime/lattice/smg_row": r"test_row(s|_wave)", "runtime/lattice/smg_few": r"test_few", "runtime/newton/smg_rest": r"test_(rows|few|gauss_rows)",
             "runtime/core/smg_fixed": r"test_(comparators|gauss)", "runtime/newton/smg_matrix": r"band|sparse|dense|newton|krylov",
@@ -40,7 +42,7 @@ MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(com
             "runtime/newton/smg_newton.h": r"chain|vortices|graph|newton", "runtime/newton/smg_coupled.h": r"edges_of_steps|test_agreement", "runtime/core/smg_state.h": r"test_interface|energy|momentum",
             "runtime/newton/smg_midpoint.h": r"nambu|extended|classical|a3|field", "templates/abi.c.j2": r"test_interface|abi|observable", "templates/ensemble": r"test_ensemble",
             "runtime/core/smg_site.h": r"units|frame", "runtime/newton/smg_follow.h": r"follow|curve", "runtime/newton/smg_band.h": r"band|branch", "runtime/newton/smg_sparse.h": r"sparse|branch",
-            "runtime/newton/smg_dense.h": r"dense|branch", "runtime/core/smg_spin.h": r"spin", "runtime/smg_wide": r"wide"}
+            "runtime/newton/smg_dense.h": r"dense|branch", "runtime/core/smg_spin.h": r"spin", "runtime/core/smg_wide": r"wide"}
 OTHER_BUILDS = re.compile(r"\[(.*-)?(clang|g\+\+|gcc-long-double)")      # the same again, by another compiler
 SANITIZED = re.compile(r"runs?_clean")     # whole models, built with sanitizers
 LONGEST = 25.0      # seconds: a test that takes longer is left to the other tiers
@@ -48,8 +50,8 @@ LONGEST = 25.0      # seconds: a test that takes longer is left to the other tie
 
 def test_files(tree: Path) -> list[str]:
     """The files of tests that are run, relative to the tree."""
-    found = sorted(p for p in (tree / "tests").rglob("test_*.py") if not BESIDE.search(p.stem))
-    return [str(p.relative_to(tree)) for p in found]
+    found = sorted(str(p.relative_to(tree)) for p in (tree / "tests").rglob("test_*.py"))
+    return [name for name in found if not BESIDE.search(name)]
 
 
 def stage(name: str) -> int:

@@ -2,6 +2,7 @@
 from pathlib import Path
 
 import pytest
+from mutants.judge import MADE_FOR
 from mutants.operators import candidates, spared, stale
 from mutants.plant import Tree
 from mutants.report import explanations
@@ -20,6 +21,13 @@ def found():
 @pytest.mark.quick
 def test_every_rule_fits_a_line_of_code():
     assert stale(ROOT) == []
+
+
+@pytest.mark.quick
+def test_tests_are_made_for_files_that_are_there(found):
+    """Or for faults of a kind."""
+    files = {m.file for m in found}
+    assert [of for of in MADE_FOR if of not in NAMED and not any(f.startswith(of) or Path(f).name.startswith(of) for f in files)] == []
 
 
 def test_the_draw_is_the_seeds_and_of_every_kind(found):
