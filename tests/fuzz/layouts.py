@@ -26,10 +26,22 @@ HEATS = ("0.4", "abs(a)", "q*(1 + mod(k, 2))", "0*a", "300")      # the last: ve
 
 def spec_text(dice) -> str:
     """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped, half of these
-    with thermal noise; a fourth are moved by torques; a fourth have random numbers, and a fourth sites that are pinned or absent."""
-    text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
+    with thermal noise; a fourth are moved by torques; a fourth have random numbers, a fourth sites that are pinned or absent, and a third of the lattices two families."""
+    text = doubled(dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice))
     text = warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
     return held(disordered(pushed(dice, text) if dice.randint(0, 3) == 0 else text))
+
+
+def doubled(text) -> str:
+    """A third of the lattices in rows and in blocks with a second family, with couplings of its own and bonds between both, by dice of their own."""
+    dice, bond = random.Random(text + "families"), re.search(r'over = "bond\(i, j\) of ([^"]*)"\nenergy = """(.*?)"""', text, re.DOTALL)
+    if not re.match("# layout: (rows|blocks)$", text, re.MULTILINE) or dice.randint(0, 2):
+        return text
+    own = f'[effects.own]\nover = "bond(i, j) of {bond[1]} on v"\nenergy = """{dice.choice((bond[2], "0.7*dot(w[i], w[j])")).replace("w[", "v[")}"""\n'
+    between = f'[effects.between]\nover = "bond(i of w, j of v) of {bond[1]}"\nenergy = "0.2*dot(w[i], v[j])"\n'
+    found = with_effects(re.sub(r'(over = "bond\(i, j\) of [^"]*)"', r'\1 on w"', text), dice.choice((own, between, own + between)), "between")
+    found = re.sub(r"^w = (\{ sphere = .*)", lambda m: f"{m[0]}\nv = {dice.choice((m[1], re.sub(', (kappa|radius) = .*', ', kappa = 1.3 }', m[1])))}", found, flags=re.MULTILINE)
+    return re.sub(r"^\[starts\.s\]\n(.*)", lambda m: f"[starts.s.w]\n{m[1]}\n[starts.s.v]\nrandom = {dice.randint(0, 99)}", found, flags=re.MULTILINE)
 
 
 def warmed(text) -> str:

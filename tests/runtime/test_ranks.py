@@ -17,6 +17,7 @@ from support.strict import COMPILERS, WARNINGS
 from test_rows_by_site import BLOCKS as SITED_BLOCKS, KINDS, SOME as SITED
 from test_rows_in_time import field
 from test_rows import DM, EXCHANGE, FIELD, FOUR, HONEY, PLANES, SKEW, SPECS, lattice
+from test_rows_families import BONDS, layers
 
 MISSING = [name for name in ("mpicc", "mpirun") if not shutil.which(name)]
 needs_mpi = pytest.mark.skipif(bool(MISSING), reason=f"no {', '.join(MISSING)}: apt-get install libopenmpi-dev openmpi-bin")
@@ -133,6 +134,7 @@ LONG = {  # along their slowest direction, so that four ranks have parts of them
     "three colours along": lattice("long_skew", "skew.near", 41, "7*n", EXCHANGE + DM, SKEW.replace('["n", 4]', '[7, "n"]').replace('"periodic"', '"open"')),
     "long in four dimensions": lattice("long_four", "four.near", 20, "48*n", EXCHANGE + DM, FOUR.replace('["n", 3, 4, 2]', '[4, 3, 4, "n"]'))}
 LONG["in time, by site"] = lattice("driven", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + field(KINDS["a wave"]).replace("omega", "2") + field(KINDS["staggered"], "more"))
+LONG["two families"] = layers(*BONDS, n=4, m=60)
 SPECS = {**SPECS, "by site": SITED, "blocks by site": SITED_BLOCKS}
 C_CASES = {"by site": (3,), "blocks by site": (2,), "odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "honeycomb": (2, 3), "ladder": (3,), "ring of 601": (4,), "open chain of 35": (2,), "further neighbours of 50": (2,),
            "three colours": (3,), "odd square": (3,), "four dimensions": (4,), "far": (2,)}

@@ -54,12 +54,13 @@ DAMPED = (("site(i) of b", "0.1", "damping"), ("site(i) of a", "0.2", "damping")
 SPECS = {
     "all": layers(*BONDS, *SITED, *DAMPED, a=', radius = "1 + mod(i, 2)"', b=', kappa = -2.5, radius = 1.7', n=7, m=5, boundary=CUT),
     "bond by bond": layers(NEAR["b"], ("bond(i of a, j of b, q) of between.near", "(1 + 0.2*normal(3, q) + 0.1*j)*dot(a[i], b[j])"), ("site(i) of b", "0.1*uniform(4, i)*b[i].y"), n=5, m=4, boundary=CUT),
+    "both disordered": layers(*((over, f"(1 + 0.1*uniform({k}, i, j))*({energy})") for k, (over, energy) in enumerate((*BONDS[:2], (BETWEEN[0], "0.5*dot(a[i], b[j])")))), ("site(i) of a", "normal(8, i)*a[i].z/3"), ("site(i) of b", "uniform(9, i)*b[i].x/2"), n=5, m=4, boundary=CUT),
     "blocks": layers(*BONDS, n=16, m=8), "between alone": layers(BETWEEN, n=9), "apart": layers(NEAR["a"], NEAR["b"]), "far": layers(*BONDS, ("bond(i, j) of within.far on b", "0.3*dot(b[i], b[j])"), n=14),
     "bent": layers(*BONDS, ("site(i) of b", "0.2*b[i].x^4"), ("site(i) of a", "0.1*a[i].x^2"), b=", radius = 1.4"), "damped alike": layers(*BONDS, DAMPED[0], ("site(i) of a", "0.1", "damping")),
     "one damped": layers(*BONDS, ("site(i) of b", "0.1 + 0.05*mod(i, 2)", "damping")), "absent": layers(*BONDS, ("site(i) of b", "uniform(7, i) < 0.2", "absent")),
     "torque": layers(*BONDS, ("site(i) of b", "0.2*cross(b[i], cross(b[i], vec(0, 1, 0)))", "torque"), ("site(i) of a", "0.1*a[i].z*cross(a[i], vec(0, 1, 0))", "torque")),
     "growing": layers(*BONDS, ("site(i) of b", "0.2*t*b[i].z"), n=9)}
-QUICK = ("all", "bond by bond")
+QUICK = ("all", "bond by bond", "both disordered")
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.long) for n in SPECS])

@@ -19,7 +19,7 @@ from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
 from .by_site import of_absent, of_lattices, of_laws, of_numbers, of_radii, of_space, of_term, unlike_in
-from .common_cell import homes_of, in_cells, lattices, place_of, roles
+from .common_cell import firsts, homes_of, in_cells, lattices, place_of, roles
 from .families import SITE, by_family
 from .lanes import in_lanes, named
 from .norms import row_sums
@@ -96,7 +96,8 @@ def rows_of(model, low, over, some, laws):
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, some.values())), None)
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    why_not = why_not or of_numbers(count(low, apart) + sum(numbers_of(low, t, joined[t.prefix]) for t in terms if t.prefix in joined) + bool(model.moving and not laws) + rated + radii + len(laws)) or of_radii(model, terms)
+    first, numbers = firsts(model, [*((t, count(low, t)) for t in apart), *((t, numbers_of(low, t, joined[t.prefix])) for t in terms if t.prefix in joined)])
+    why_not = why_not or of_numbers(numbers + bool(model.moving and not laws) + rated + radii + len(laws)) or of_radii(model, terms)
     if why_not:
         return why_not
     bounds, timely = bounds_of_terms(low, terms, radii_of(model), model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
@@ -106,8 +107,9 @@ def rows_of(model, low, over, some, laws):
     found = Rows(over, colouring(lattices(model)), *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely)
     if not fits(found, lattices(model), KNOWN if bounded else AT_HAND):
         return f"{longest(model)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
-    alone = sited(low, apart, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
-    return replace(found, sited={**alone, **bonds_of_terms(model, low, [t for t in terms if t.prefix in joined], joined, sum(one.width for one in alone.values()), bounds)})
+    alone = sited(low, apart, first, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
+    overs = {whole.get(t.prefix, t).prefix: t.over for t in model.fields}
+    return replace(found, sited={**alone, **bonds_of_terms(model, low, [t for t in terms if t.prefix in joined], overs, joined, first, bounds)})
 
 
 def radii_of(model) -> dict:
@@ -129,13 +131,12 @@ def role(model, t, k: int, bond, beside_it: int) -> Role:
     return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]), firsts[k], firsts[1 - k])
 
 
-def bonds_of_terms(model, low, terms, roles, first: int, bounds) -> dict:
-    """{prefix: `Bonded`}."""
-    found, overs = {}, {t.prefix: t.over for t in model.fields}
+def bonds_of_terms(model, low, terms, overs, roles, first: dict, bounds) -> dict:
+    """{prefix: `Bonded`}; overs: the bonds of each as families number their sites; first: the number of its first value."""
+    found = {}
     for t in terms:
         numbers, place = number_functions(model.loops, t, overs[t.prefix]), place_of(model, t.over.sites)
-        found[t.prefix] = bonded(low, t, first, homes_of(model, t), roles[t.prefix], place, lambda k: bounds[t.prefix, k], numbers)
-        first += found[t.prefix].width
+        found[t.prefix] = bonded(low, t, first[t.prefix], homes_of(model, t), roles[t.prefix], place, lambda k: bounds[t.prefix, k], numbers)
     return found
 
 
@@ -269,7 +270,7 @@ def place_function(found: Rows) -> Function:
 
 def width(found: Rows) -> int:
     """Numbers that a site has of terms."""
-    return sum(one.width for one in found.sited.values())
+    return max((one.first + one.width for one in found.sited.values()), default=0)
 
 
 def number_of_values(found: Rows) -> int:

@@ -10,8 +10,8 @@ from sympy.logic.boolalg import Boolean
 
 from ...language.expr import Elem, Idx, Time, is_draw
 from ...language.spec import Lattice, Sites
-from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Ordered, Return, mentions
-from ..lower.integers import Index, compare, total
+from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Ordered, Return, Scope, mentions
+from ..lower.integers import ZERO, Index, compare, total
 from ..lower.kernels import COEFFICIENTS, gradient_function
 from ..lower.lowering import index_names
 from .families import returned
@@ -106,20 +106,20 @@ def partings(low, t) -> tuple:
     return [parted(low, low.number_values(x), values) for x in t.derived.gradient[0]], values
 
 
-def sited(low, terms, homes, bounds) -> dict:
-    """{prefix: `Sited`} of the terms that differ; homes(term): the families of its sites; bounds(term): of the field of no spins and of the Hessian at a site, None where nobody asks."""
-    found, first = {}, 0
+def sited(low, terms, first: dict, homes, bounds) -> dict:
+    """{prefix: `Sited`} of the terms that differ; first: the number of the first value of each; homes(term): the families of its sites; bounds(term): of the field of no spins and of the Hessian at a site, None where
+    nobody asks."""
+    found = {}
     for t in terms:
         gradient, values = partings(low, t)
         ends = [None if e is None else of_site(low, t, what, e) for what, e in zip(("rest", "norm"), bounds(t))]
-        found[t.prefix] = Sited(lane_gradient(low, t, gradient, values), tuple(of_site(low, t, symbol.name, e) for e, symbol in values.items()), first, *ends, homes(t))
-        first += len(values)
+        found[t.prefix] = Sited(lane_gradient(low, t, gradient, values), tuple(of_site(low, t, symbol.name, e) for e, symbol in values.items()), first[t.prefix], *ends, homes(t))
     return found
 
 
-def count(low, terms) -> int:
-    """Of arrays."""
-    return sum(len(partings(low, t)[1]) for t in terms)
+def count(low, t) -> int:
+    """Of its values."""
+    return len(partings(low, t)[1])
 
 
 def lane_gradient(low, t, gradient, values) -> Function:
@@ -152,11 +152,17 @@ def names(one: Sited) -> list:
 
 def value_function(found, factors, more) -> list:
     """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms; more: the statements of others behind them."""
-    bodies = [*(body for one in found for body in one.calls()), *map(value_call, factors.values()), *more]
+    bodies = [*(returned_by(found, n) for n in range(max((one.first + one.width for one in found), default=0))), *map(value_call, factors.values()), *more]
     if not bodies:
         return []
     tests = [If((compare(Index("n"), "==", total(n)),), body) for n, body in enumerate(bodies[:-1])]
     return [Function("smg_real", "smg_site_value", (COEFFICIENTS, Argument("int64_t", "n"), Argument("int64_t", "site")), (*tests, *bodies[-1]), wanted=True)]
+
+
+def returned_by(found, n: int) -> tuple:
+    """The statements that return the n-th value of a site: of a term, or of several of different families."""
+    calls = [one.calls()[n - one.first] for one in found if one.first <= n < one.first + one.width]
+    return calls[0] if len(calls) == 1 else (*(Scope(body[:-1]) for body in calls), Return(ZERO))
 
 
 def value_call(name: str) -> tuple:
