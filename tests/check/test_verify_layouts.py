@@ -1,8 +1,9 @@
 """Faults of the runtime in one layout only: a certificate says no by the row that looks there, or says that it did not look."""
 import shutil
+from types import SimpleNamespace
 
 import pytest
-from support.runtime_faults import FAULTS, examined, plant, spec_of
+from support.runtime_faults import FAULTS, Fault, examined, plant, planted, spec_of
 
 from smidgen.check.verify.along import along
 from smidgen.check.verify.contraction import contraction
@@ -14,8 +15,15 @@ from smidgen.check.verify.restore import restore
 from smidgen.check.verify.row import NO, YES
 from smidgen.check.verify.shared import shared
 from smidgen.check.verify.whole_space import whole_space
+from smidgen.check.verify.witness_check import step
 
-CHECKS = {"ensemble": members, "run": along, "by rows": contraction, "tolerance": effort, "refusals": refusals, "settled": effort, "predictor": effort,
+
+def one_step(case, subject):
+    case.find_states(subject)
+    return [step(case, subject)]
+
+
+CHECKS = {"ensemble": members, "run": along, "step": one_step, "by rows": contraction, "tolerance": effort, "refusals": refusals, "settled": effort, "predictor": effort,
           "iterations": effort, "restore": restore, "whole space": whole_space, "threads": shared, "wavefronts": shared, "ranks": shared}
 LAYOUTS = ("threads", "wavefronts", "ranks")
 USUAL = ("increments in the last lane", "a sign after a restore", "a save without compensation", "a weight of degree 3 of a single sphere", "after t = 9.9",
@@ -49,3 +57,22 @@ def test_a_fault_in_one_layout_gets_its_no(monkeypatch, tmp_path, name):
         assert looked(fault)[0] == YES
     plant(monkeypatch, tmp_path, fault)
     assert looked(fault)[0] == NO
+
+
+GROWING = '[effects.more]\nover = "bond(i, j) of square(n, n, periodic)"\nenergy = "-0.3*t*dot(w[i], w[j])"\n'
+
+
+@pytest.mark.long
+def test_couplings_that_grow_are_held_to_the_time_of_their_steps(monkeypatch, tmp_path):
+    """At the end of the run they are a hundred times as strong as at the start, and steps that go by rows there are shorter."""
+    plant(monkeypatch, tmp_path, None)
+    text, values = planted(GROWING)
+    case, subject = examined(Fault("by rows", "", "", "", (text.replace("steps = 30", "steps = 2000"), values)), False)
+    (row,) = contraction(case, subject)
+    assert row.verdict == YES and row.measured < 1
+
+
+def test_what_is_not_known_of_stages_by_rows_is_said():
+    case = SimpleNamespace(settings=SimpleNamespace(method="spherical-midpoint-4"), unseen=[])
+    (row,) = contraction(case, SimpleNamespace(double=SimpleNamespace(notes={"threads": True})))
+    assert "no equation for a stage" in row.note and case.unseen == ["by rows: whether the sweeps of every stage contract"]

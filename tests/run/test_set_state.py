@@ -17,7 +17,15 @@ from test_methods import MIX
 from test_row_blocks import SPECS as BLOCKS
 from test_pair_rows import SPECS as PAIRS
 from test_rows import EXCHANGE, SPECS as ROWS, lattice
+from test_rows_any_formula import SPECS as ANY
 from test_rows_by_site import BLOCKS as SITED_BLOCKS, SOME as SITED
+from test_rows_far import SPECS as FAR
+from test_rows_growing import SPECS as GROWING
+from test_rows_held import SOME as HELD
+from test_rows_in_time import SPECS as IN_TIME
+from test_rows_laws import SOME as LAWS
+from test_rows_radii import SPECS as RADII
+from test_rows_torques import spec_of as pushed
 from test_sublattice_rows import SPECS as TURNS
 
 # name -> (spec, method, h): one a layout
@@ -34,9 +42,17 @@ LAYOUTS = {
     "pairs by rows": (PAIRS["square"], "pair-rotations", 0.1), "pairs": (lattice("pentagon", "chain(n, periodic)", 5, "n", EXCHANGE), "pair-rotations", 0.1),
     "axes": ("free_rigid_body", "axis-splitting", 0.2), "gauss": (MIX, "gauss-6", 0.1), "gauss by rows": (TURNS["square"], "gauss-6", 0.1),
     "dop853": (MIX, "dop853", 0.3), "dop853 alone": ("free_rigid_body", "dop853-projected", 1.0), "extrapolation": (MIX, "extrapolation-12", 0.1),
+    "composed by rows": (IN_TIME["damped"], "spherical-midpoint-4", 0.1), "classical by rows": (IN_TIME["open square"], "classical-midpoint", 0.05),
+    "dop853 by rows": (SITED, "dop853", 0.3), "dop853-projected by rows": (IN_TIME["damped"], "dop853-projected", 0.3), "fixed steps by rows": (SITED, "dormand-prince-8", 0.02),
+    "extrapolation by rows": (IN_TIME["damped"], "extrapolation-12", 0.1), "responses by site": (LAWS, "spherical-midpoint", 0.05),
+    "torques by rows": (pushed("three colours", "all"), "spherical-midpoint", 0.05), "radii by site": (RADII["open"], "spherical-midpoint", 0.05),
+    "held sites": (HELD, "spherical-midpoint", 0.05), "held sites of stages": (HELD, "gauss-4", 0.05), "other formulas": (ANY["cubic"], "spherical-midpoint", 0.05),
+    "growing": (GROWING["growing"], "spherical-midpoint", 0.1), "several shells": (FAR["third"], "spherical-midpoint", 0.05), "heun": (ROWS["ring of 17"], "heun", 0.05),
     "one stage": (MIX, "isospectral-midpoint", 0.1), "two points": (MIX, "rattle", 0.1), "explicit": (MIX, "cf4", 0.1),
 }
-LATE = ("rows", "three colours", "composed", "nambu", "sublattices composed", "divided", "explicit")
+LATE = ("rows", "three colours", "composed", "nambu", "sublattices composed", "divided", "explicit",
+        "composed by rows", "classical by rows", "dop853-projected by rows", "fixed steps by rows", "extrapolation by rows", "responses by site", "torques by rows",
+        "radii by site", "held sites", "held sites of stages", "other formulas", "growing", "several shells", "heun")
 SOME = ("single sphere", "few in lanes", "ring by rows", "pairs by rows", "gauss by rows", "dop853", "one stage")
 
 

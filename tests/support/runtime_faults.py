@@ -33,6 +33,35 @@ h = 0.05
 steps = 20
 """
 RING = ("heisenberg_chain", {"n": 640})      # long enough for wavefronts of the smallest blocks
+LATTICE = """
+[model]
+name = "planted"
+[space]
+w = {{ sphere = "n*n"{sphere} }}
+[parameters]
+n = 8
+[effects.exchange]
+over = "bond(i, j) of square(n, n, periodic)"
+energy = "-0.7*dot(w[i], w[j])"
+{more}
+[starts.a]
+random = 3
+[runs.a]
+start = "a"
+h = 0.08
+steps = 30
+"""
+
+
+def planted(more="", sphere="") -> tuple:
+    """A lattice by rows with further effects."""
+    return LATTICE.format(more=more, sphere=sphere), {}
+
+
+FIELD = '[effects.field]\nover = "site(i) of w"\nenergy = "-0.4*{}*w[i].z"\n'
+DAMPED = '[effects.bath]\nover = "site(i) of w"\ndamping = "0.1*(1 + mod(i, 3))"\n'
+PUSHED = '[effects.push]\nover = "site(i) of w"\ntorque = "0.2*cross(w[i], cross(w[i], vec(0, 1, 0)))"\n'
+HOLES = '[effects.holes]\nover = "site(i) of w"\nabsent = "mod(i, 5) == 2"\n'
 
 
 @dataclass(frozen=True)
@@ -52,6 +81,9 @@ LAST = "smg_lane_set({0}, SMG_LANES - 1, (smg_real)1.01 * smg_lane_get({0}, SMG_
 END = "slot + SMG_LANES >= go.pitch - SMG_BEFORE - SMG_AFTER ? (smg_real)1.01 : (smg_real)1"
 ENSEMBLE, CONTROLLED, EXTRAPOLATED = ("ensemble",), {"method": "dop853"}, {"method": "extrapolation-12"}
 LONG = {"h": 0.2}       # near the longest step that goes by rows, where sweeps shrink changes least
+COMPOSED, DRIVEN = {"method": "spherical-midpoint-4"}, FIELD.format("cos(2*t)")
+ALL_SCALED = "for (int b = 0; b < 3; ++b) smg_lane_set({0} + b, SMG_LANES - 1, (smg_real)1.01 * smg_lane_get({0} + b, SMG_LANES - 1));"
+SCALED = "smg_lane_set(&{0}, SMG_LANES - 1, (smg_real)1.01 * smg_lane_get(&{0}, SMG_LANES - 1));"
 COMMIT, ROWS, SAVED, STATE, HALO = ("smg_row_commit.h", "smg_rows.h", "smg_saved.h", "smg_row_state.h", "smg_row_halo.h")
 FAULTS = {
     "increments in the last lane": Fault("ensemble", "smg_lane_sphere.h", "  else smg_lanes_commit(g, &f);", f"  else {{\n    smg_lane_found wrong = f;\n    {LAST.format('&wrong.W.x')}\n    smg_lanes_commit(g, &wrong);\n  }}", BODY, {}, ENSEMBLE),
@@ -83,6 +115,26 @@ FAULTS = {
     "a solver that gives up": Fault("refusals", "smg_step.h", "  smg_status status = SMG_OK;\n#if SMG_MATRIX_FREE", "  smg_status status = SMG_OK;\n  if (smg_abs(h) > (smg_real)0.5) return SMG_NO_CONVERGENCE;\n#if SMG_MATRIX_FREE", ("two_bodies", {})),
     "the variance of noise": Fault("noise", "smg_thermal.h", "sqrt(2 * (part - part * part / 6))", "sqrt(2 * part)", (WARM, {})),
     "the seed of a save": Fault("noise restored", SAVED, "  s->seed = ", "  s->seed = 1 + ", (WARM, {})),
+    "dampings in the last lane": Fault("run", "smg_lane_respond.h", "told.r[k] = smg_lane_take(values + n++ * pitch);",
+                                       "{\n      told.r[k] = smg_lane_take(values + n++ * pitch);\n      " + SCALED.format("told.r[k]") + "\n    }", planted(DAMPED)),
+    "the torque of the last lane": Fault("run", "smg_row_sweep.h", "  smg_lane_multiple(g, smg_lane_of(turn.half), F, 3);\n", f"  {SCALED.format('Q[1]')}\n  smg_lane_multiple(g, smg_lane_of(turn.half), F, 3);\n", planted(PUSHED)),
+    "the radius of the last site": Fault("run", "smg_row_slots.h", "smg_site_value(&s->c, n, site);", "smg_site_value(&s->c, n, site) * (n == SMG_RADIUS_AT && site == smg_sites(&s->c) - 1 ? (smg_real)1.01 : 1);",
+                                         planted(sphere=', radius = "1 + mod(i, 2)/2"')),
+    "a hole that is felt": Fault("run", "smg_row_arrays.h", "    smg_put_absent(s, 1);\n", "", planted(HOLES)),
+    "a stage of rows at the time of the step": Fault("step", "smg_composition.h", "status = smg_solve_composed_stage(s, done + 0.5 * gamma, rows);", "status = smg_solve_composed_stage(s, rows ? 0.5 : done + 0.5 * gamma, rows);",
+                                                     planted(DRIVEN), COMPOSED),
+    "the last lane of a right side": Fault("step", "smg_field_rows.h", "  smg_first_lanes(in, k);\n", f"  {ALL_SCALED.format('k')}\n  smg_first_lanes(in, k);\n", planted(DRIVEN), CONTROLLED),
+    "the last lane of an extrapolated right side": Fault("step", "smg_field_rows.h", "  smg_first_lanes(in, k);\n", f"  {ALL_SCALED.format('k')}\n  smg_first_lanes(in, k);\n", planted(DAMPED), EXTRAPOLATED),
+    "the classical midpoint in the last lane": Fault("run", "smg_row_spin.h", "  for (int k = 0; k < 3; ++k) m[k] *= scale;\n", f"  for (int k = 0; k < 3; ++k) m[k] *= scale;\n  {SCALED.format('m[0]')}\n", planted(DRIVEN), {"method": "classical-midpoint"}),
+    "Gauss in the last lane": Fault("step", "smg_gauss_sweep.h", "    smg_slot_slopes(a, i, slot, g, z,", f"    {ALL_SCALED.format('g')}\n    smg_slot_slopes(a, i, slot, g, z,", planted(DRIVEN), {"method": "gauss-4"}),
+    "a turn in the last lane": Fault("step", "smg_sublattice_rows.h", "  const smg_lanes g[3] = {half * gradient[0], half * gradient[1], half * gradient[2]};\n",
+                                     f"  smg_lanes g[3] = {{half * gradient[0], half * gradient[1], half * gradient[2]}};\n  {SCALED.format('g[0]')}\n", planted(), {"method": "sublattice-rotations"}),
+    "pairs around a ring": Fault("step", "smg_pair_rows.h", "  if (around) smg_put_some_spins(turn, slot + b->around, sites & smg_lane_not(within), &w);\n", "", planted(), {"method": "pair-rotations"}),
+    "few sites in the last lane": Fault("run", "smg_few.h", "(smg_real)a[i + l < sites ? i + l : sites - 1]", "(smg_real)a[i + l < sites - 1 ? i + l : 0]", ("point_vortices", {"gamma": [1.0, 0.7, -0.4, 0.9]})),
+    "sweeps beyond the bound of rows": Fault("run", "smg_row_beyond.h", "                                      : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first];\n",
+                                             "                                      : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first] * (site > 1 ? 1 : (smg_real)1.01);\n", planted(), {"h": 0.52}),
+    "noise of the last site of a lattice": Fault("noise", "smg_thermal.h", "  for (int64_t k = from + all * thread / threads; k < from + all * (thread + 1) / threads; ++k)", "  for (int64_t k = from + all * thread / threads; k + SMG_BY_ROWS < from + all * (thread + 1) / threads; ++k)",
+                                                 planted(DAMPED + "kT = 0.2\n")),
     "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
 }
 
