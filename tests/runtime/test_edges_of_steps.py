@@ -160,6 +160,36 @@ def test_a_field_that_is_no_number_names_its_site(solver):
     assert refused(model, NOT_FINITE).site == 6
 
 
+def test_steps_by_rows_end_with_their_field():
+    """In one call, which takes all that there are."""
+    spec = system("ending_rows", "w = { sphere = 64 }", ("bond(i, j) of chain(64, periodic)", "0.3*dot(w[i], w[j])"), ("site(i)", "sqrt(3 - t)*w[i].x"))
+    model = smidgen.build(spec).start(generic(64), h=0.1)
+    assert model.advance(100) == 30 and model.failure().status == NOT_FINITE
+    refused(model, NOT_FINITE)
+
+
+@pytest.mark.parametrize("h", [1e100, 1e200])
+def test_a_ring_has_no_step_of_any_size(h):
+    """Where squares of fields overflow, too."""
+    error = refused(smidgen.build("heisenberg_chain", parameters={"n": 64}).start(generic(64), h=h), NO_SOLUTION)
+    assert error.site >= 0
+
+
+@pytest.mark.parametrize("up", [1, -1])
+def test_a_spin_on_the_top_that_a_torque_takes_away(up):
+    """W - w = h m x (m x e), e along the top: from h = 2 on the spin could as well be anywhere; at the bottom it stays."""
+    spec = system("driven", "w = { sphere = 2 }", ("", "w[1].x"))
+    spec = smidgen.load_text(spec.sources[0][1] + f'[effects.current]\nover = "site(i) of w"\ntorque = "{up}*cross(w[i], cross(w[i], vec(0, 0, 1)))"\n')
+    model, w = smidgen.build(spec), unit([[0, 0, up], [0.6, 0, 0.8]])
+    assert np.array_equal(model.start(w.copy(), h=1.999).step().w[0], w[0])
+    for h in (2.0, 2.5):
+        error = refused(model.start(w.copy(), h=h), NO_SOLUTION)
+        assert error.site == 0 and error.reached == pytest.approx(2 / h, abs=1e-12)
+        w[0] = -w[0]
+        assert np.array_equal(model.start(w.copy(), h=h).step().w[0], w[0])
+        w[0] = -w[0]
+
+
 @pytest.mark.parametrize("name", ["free_rigid_body", "point_vortices"])
 def test_a_composed_tangent_map_that_is_no_number(name):
     """What stages had moved goes back."""
