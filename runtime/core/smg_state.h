@@ -218,15 +218,15 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
 }
 
 /* Steps of divided memory go by rows, or not at all. */
-static inline int smg_may_begin(SMG_UNUSED smg_state *s) {
 #if SMG_IN_PARTS
+static inline int smg_may_begin(smg_state *s) {
   smg_set_size(s, smg_signed_h(s->h));
   smg_choose_rows(s);
   return s->rows || !smg_is_divided();
-#else
-  return 1;
-#endif
 }
+#else
+#define smg_may_begin(s) 1
+#endif
 
 static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0,
                                   double h) {
