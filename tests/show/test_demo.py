@@ -1,4 +1,12 @@
 """The demo: its parts by themselves, and one small demo from end to end."""
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import mpmath
 import numpy as np
 import pytest
@@ -203,3 +211,26 @@ def test_the_page_of_figures(tmp_path):
         sh(script, tmp_path)
     for program in blocks("figures.md", "python"):
         python(program, tmp_path)
+
+
+DEMO = """import sys
+from pathlib import Path
+from smidgen.show.demo.stages import perform
+if __name__ == "__main__":
+    perform([("system", "free_rigid_body")] * 2, Path(sys.argv[1]), 2)
+"""
+
+
+@pytest.mark.long
+def test_no_process_outlives_a_demo_that_is_killed(tmp_path):
+    (tmp_path / "demo.py").write_text(DEMO)
+    run = subprocess.Popen([sys.executable, str(tmp_path / "demo.py"), str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        while len(Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()) < 3:       # both workers, and what multiprocessing keeps
+            assert run.poll() is None
+            time.sleep(0.02)
+        os.kill(run.pid, signal.SIGKILL)
+        run.communicate(timeout=240)            # ends when nobody has its output open any more
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)

@@ -5,9 +5,12 @@ import argparse
 import dataclasses
 import datetime
 import multiprocessing
+import os
 import sys
+import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing.connection import wait
 from pathlib import Path
 
 import numpy as np
@@ -95,7 +98,7 @@ def perform(tasks, out: Path, jobs: int) -> dict:
     """(kind, name) -> Outcome of every task, `jobs` at a time; a line on stderr for each."""
     found = {}
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max(1, jobs), mp_context=context) as pool:
+    with ProcessPoolExecutor(max(1, jobs), mp_context=context, initializer=end_with_parent) as pool:
         running = {pool.submit(perform_one, task, out): task for task in tasks}
         for done in as_completed(running):
             task = running[done]
@@ -103,6 +106,16 @@ def perform(tasks, out: Path, jobs: int) -> dict:
             verdict = "ok" if found[task].passed else "FAILED"
             print(f"[{len(found)}/{len(tasks)}] {' '.join(task)}: {verdict}", file=sys.stderr)
     return found
+
+
+def end_with_parent() -> None:
+    """In a spawned process: it ends when the process that started it does, for whatever reason."""
+    threading.Thread(target=wait_and_exit, args=(multiprocessing.parent_process().sentinel,), daemon=True).start()
+
+
+def wait_and_exit(sentinel) -> None:
+    wait([sentinel])
+    os._exit(1)
 
 
 def outcome_of(future, name: str) -> Outcome:
