@@ -1,5 +1,6 @@
 """Sites that do not move (`pinned`, `fixed`) and sites that are not there (`absent`): in every method that takes them, against the witness and against specs that never had
 the sites."""
+import ctypes
 import shutil
 import subprocess
 from dataclasses import replace
@@ -252,6 +253,9 @@ def test_parameters_that_leave_nothing_are_refused():
     with pytest.raises(smidgen.SmidgenError):
         one.set_parameters({"q": 0})
     assert one.parameters["q"] == 6 and one.step().count == 1
+    scalars, status = one._passed[0].copy(), ctypes.c_int()         # as a program in C hands them over
+    scalars[scalars == 6] = 0
+    assert not one._c.new(scalars.ctypes.data, one._passed[2], one.w.ctypes.data, 0.0, 0.1, ctypes.byref(status)) and status.value == 5
 
 
 @quick

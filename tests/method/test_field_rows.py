@@ -62,6 +62,16 @@ def test_too_long_a_step_names_the_site_with_the_largest_error():
     assert caught.value.status == 1 and caught.value.site == 16 and np.array_equal(model.save(), saved)
 
 
+def test_a_field_that_ends_within_a_step_names_a_site_near_its_own():
+    """Twelve stages carry what is no number as many sites away."""
+    spec = lattice("ending", "chain(n, periodic)", 66, "n", EXCHANGE + '[effects.field]\nover = "site(i) of w"\nenergy = "if(i == 40, sqrt(2.5 - t), 1)*w[i].z"\n')
+    model = smidgen.build(spec, method="dop853").start("random", h=1.0).steps(2)
+    saved = model.save()
+    with pytest.raises(smidgen.RunError) as caught:
+        model.step()
+    assert caught.value.status == 4 and abs(caught.value.site - 40) <= 12 and np.array_equal(model.save(), saved)
+
+
 def test_sites_that_stand_still_stay_to_the_bit():
     for method in METHODS[1:3]:
         model = smidgen.build(HELD, method=method).start("random", h=0.1)

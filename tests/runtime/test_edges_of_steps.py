@@ -208,7 +208,7 @@ def test_a_composed_tangent_map_that_is_no_number(name):
 BODIES = system("bodies", "w = { r3 = 2 }", ("site(i)", "w[i].x^2/2 + w[i].y^2/3 + 0.2*w[i].z"), ("pair(i, j) of w", "0.4*dot(w[i], w[j]) + 0.1*w[i].x*w[j].y"))
 
 
-@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ()), ("rattle", ()),
+@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ()), ("rattle", ()), ("gauss-4", ()),
                                               ("dop853-projected", ())])
 @pytest.mark.parametrize("site", [0, 1])
 def test_a_body_at_rest_stays_among_others(method, features, site):
