@@ -1,4 +1,4 @@
-"""The sites of one place of a lattice's cell, and the part of a lattice that is one family's."""
+"""The sites of one place of a lattice's cell, the part of a lattice that is one family's, and the cell that has the places of several families."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -26,3 +26,10 @@ def within(over: Lattice, family: str) -> Lattice:
         return over
     ends = [k for k, name in enumerate(over.families) if name == family]
     return replace(over, indices=tuple(over.indices[k] for k in ends), bonds=tuple(tuple(bond[k] for k in ends) for bond in over.bonds), family=family, families=())
+
+
+def together(over: Lattice, names) -> Lattice:
+    """Its bonds between places of a cell that has those of all these families, one behind the other."""
+    first = [over.sites * names.index(home) for home in over.families or (over.family,) * len(over.indices)]
+    bonds = tuple(tuple((k + sub, offset) for k, (sub, offset) in zip(first, bond)) for bond in over.bonds)
+    return over if len(names) == 1 else replace(over, sites=len(names) * over.sites, bonds=bonds)

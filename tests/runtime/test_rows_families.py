@@ -75,8 +75,8 @@ name = "cell"
 [space]
 w = { sphere = "2*n*m" }
 [parameters]
-n = 16
-m = 8
+n = 24
+m = 12
 [lattices.both]
 size = ["n", "m"]
 boundary = "periodic"
@@ -87,13 +87,13 @@ bonds.between = [{ from = 0, to = 1, offset = [0, 0] }, { from = 0, to = 1, offs
 """
 
 
-@pytest.mark.parametrize("h, method", [(0.1, "spherical-midpoint"), pytest.param(0.35, "spherical-midpoint", marks=pytest.mark.long), *(pytest.param(0.05, m, marks=pytest.mark.long) for m in ("gauss-4", "dop853", "spherical-midpoint-4", "classical-midpoint"))])
+@pytest.mark.parametrize("h, method", [(0.1, "spherical-midpoint"), pytest.param(0.35, "spherical-midpoint", marks=pytest.mark.long), *(pytest.param(0.05, m, marks=pytest.mark.long) for m in ("gauss-4", "dop853", "spherical-midpoint-4", "classical-midpoint", "sublattice-rotations"))])
 def test_they_have_the_bits_of_places_in_a_cell(h, method):
     """Of the same spins as one family, whose order alone is another one; the largest h is beyond the bound."""
     bonds = (NEAR["a"], (NEAR["b"][0], "-dot(b[i], b[j])"), BETWEEN)
     text = "".join(effect(k, f"bond(i, j) of both.{name}", energy.replace("a[", "w[").replace("b[", "w[")) for k, (name, (_, energy)) in enumerate(zip(("a", "b", "between"), bonds)))
     one = smidgen.load_text(CELL + text + "[starts.random]\nrandom = 1\n")
-    cell, families = (smidgen.build(spec, method=method).start("random", h=h) for spec in (one, layers(*bonds, n=16, m=8)))
+    cell, families = (smidgen.build(spec, method=method).start("random", h=h) for spec in (one, layers(*bonds, n=24, m=12)))
     w = families.w.reshape(2, -1, 3).transpose(1, 0, 2).reshape(-1, 3)
     found = cell.start(w.copy(), h=h).steps(7).w.reshape(-1, 2, 3).transpose(1, 0, 2).reshape(-1, 3)
     assert np.array_equal(families.steps(7).w, found)
@@ -106,9 +106,10 @@ def test_the_stronger_family_decides():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("method", ["classical-midpoint", "spherical-midpoint-4", "gauss-4", "gauss-8", "dop853", "extrapolation-12"])
-def test_other_methods(method):
-    spec = layers(*BONDS, *SITED[1:], n=9, boundary=CUT)
+@pytest.mark.parametrize("method, m", [(method, 6) for method in ("classical-midpoint", "spherical-midpoint-4", "gauss-4", "gauss-8", "dop853", "extrapolation-12", "sublattice-rotations", "sublattice-rotations-4")] + [("sublattice-rotations", 7)])
+def test_other_methods(method, m):
+    """A ring of seven does not fit the three colours, so that each site has one of its own."""
+    spec = layers(*BONDS, *SITED[1:], n=9, m=m, boundary=CUT)
     model = smidgen.build(spec, method=method).start("random", h=0.05)
     found = Witness(spec).steps(model.w.copy(), 0.0, 0.05, 3, method)
     assert by_rows(spec) and np.abs(model.steps(3).w - (found if np.ndim(found) == 2 else found[-1])).max() <= 1e-13

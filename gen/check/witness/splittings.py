@@ -63,15 +63,32 @@ def lattice_colours(witness):
     terms = [e for e in witness.spec.energies if e.name in witness.programs]
     overs = [e.over for e in terms if isinstance(e.over, Lattice)]
     off = [e for e in terms if not isinstance(e.over, Lattice) and witness.programs[e.name].site.shape[1] > 1]
-    if off or not overs or len(witness.families) > 1 or any((o.size, o.sites) != (overs[0].size, overs[0].sites) for o in overs):
+    if off or not overs or any((o.size, o.sites) != (overs[0].size, overs[0].sites) for o in overs) or not all_have_bonds(witness, terms):
         return None, None
-    rule = first_rule(overs)
+    rule, families = first_rule([in_one_cell(witness, over) for over in overs]), len(witness.families)
     if rule is None:
         return None, None
     size = [integer(e, witness.values, "the size of a lattice") for e in overs[0].size]
-    cell = np.indices(size[::-1]).reshape(len(size), -1)[::-1].repeat(overs[0].sites, axis=1)
-    colour = rule.of(np.arange(witness.sites) % overs[0].sites, cell)
+    cell = np.tile(np.indices(size[::-1]).reshape(len(size), -1)[::-1].repeat(overs[0].sites, axis=1), families)
+    number = np.arange(witness.sites)
+    colour = rule.of(number % overs[0].sites + number // (witness.sites // families) * overs[0].sites, cell)
     return (colour, rule) if all(continues(witness, over, rule, colour) for over in overs) else (None, None)
+
+
+def all_have_bonds(witness, terms) -> bool:
+    """Of several families: is each an end of a bond, and none of tracers?"""
+    ends = {name for e in terms if witness.programs[e.name].site.shape[1] > 1 for name in e.over.families or (e.over.family,)}
+    return len(witness.families) == 1 or ends == set(witness.families) and not any(f.tracer for f in witness.spec.families)
+
+
+def in_one_cell(witness, over):
+    """The bonds with other numbers for the places of later families."""
+    return replace(over, sites=over.sites * len(witness.families), bonds=tuple(tuple((place + shift, cell) for (place, cell), shift in zip(bond, behind(witness, over))) for bond in over.bonds))
+
+
+def behind(witness, over) -> list:
+    """How many places of other families come before those of each end."""
+    return [list(witness.families).index(name) * over.sites for name in over.families or [over.family] * len(over.indices)]
 
 
 def first_rule(overs) -> Rule | None:
@@ -97,10 +114,11 @@ def apart_by(rule: Rule, members) -> bool:
 def continues(witness, over, rule: Rule, colour) -> bool:
     """Do the ends of every bond differ by the same colours, also where it goes on at the other end of a ring?"""
     for bond in over.bonds:
-        ends = instances_of(replace(over, bonds=(bond,)), witness.values, {})[0]
-        should = [int(rule.of(place, np.array(cell))) for place, cell in bond]
-        for index, own in zip(over.indices, should):
-            if np.any((colour[ends[index]] - colour[ends[over.indices[0]]] - own + should[0]) % rule.number):
+        found, homes = instances_of(replace(over, bonds=(bond,)), witness.values, {})[0], over.families or [over.family] * len(over.indices)
+        ends = [found[index] + witness.families[home][0] for index, home in zip(over.indices, homes)]
+        should = [int(rule.of(place, np.array(cell))) for place, cell in in_one_cell(witness, replace(over, bonds=(bond,))).bonds[0]]
+        for end, own in zip(ends, should):
+            if np.any((colour[end] - colour[ends[0]] - own + should[0]) % rule.number):
                 return False
     return True
 
@@ -142,7 +160,7 @@ def classes(witness, found):
     """[(bonds, part of the step)], the classes for half of it, the last for all, and back; None where bonds go one after the other: off
     lattices, on rings that do not fit, and where a bond does not begin in its cell. A class has the bonds of one effect that are the same one of its
     list, and whose first end has one colour."""
-    colour, rule = lattice_colours(witness)
+    colour, rule = lattice_colours(witness) if len(witness.families) == 1 else (None, None)
     if colour is None:
         return None
     members, left = {}, iter(found)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...language.spec import Lattice, Sites
+from ...language.sublattice import together
 from ..lower.code import Call, If, Name, Return
 from ..lower.integers import ZERO, Computed, Index, Int, compare, modulo, total
 
@@ -23,10 +24,7 @@ def lattices(model) -> list:
 
 def common(model, over: Lattice) -> Lattice:
     """The bonds between places of the common cell."""
-    names = [f.name for f in model.families]
-    first = [over.sites * names.index(home) for home in over.families or (over.family,) * len(over.indices)]
-    bonds = tuple(tuple((k + sub, offset) for k, (sub, offset) in zip(first, bond)) for bond in over.bonds)
-    return over if len(names) == 1 else replace(over, sites=len(names) * over.sites, bonds=bonds)
+    return together(over, [f.name for f in model.families])
 
 
 def of_sites(model, over: Sites, cell: Lattice) -> Lattice:

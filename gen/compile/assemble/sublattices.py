@@ -1,8 +1,10 @@
 """Sublattices: the sites of one colour, and the field in which each of them turns."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..lower.code import Argument, Braces, Call, For, Function, If, Let, Name, Return, Zeros, mentions
-from ..lower.integers import ONE, ZERO, Field, Index, compare, modulo, times, total
+from ..lower.integers import ONE, ZERO, Field, Index, compare, modulo, remainder, times, total
 from ..lower.kernels import COEFFICIENTS
 from ..lower.loops import SITE
 from ..plan.splitting import sublattices
@@ -75,15 +77,26 @@ def fitting(model, found) -> tuple:
 def coloured(model, found) -> tuple:
     """All sites of one colour."""
     cells = [Index(f"s{d}") for d in range(len(found.over.size))]
-    return tuple(line for sub in range(found.over.sites)
-                 for line in model.loops.one_place(found.over, found.colours, sub, lambda site, sub: called(site, total(sub), cells)))
+    return tuple(line for sub in range(found.over.sites) for line in model.loops.cells_of_colour(found.over, found.colours, sub, visit_of(model, found, sub, cells)))
+
+
+def visit_of(model, found, sub: int, cells) -> tuple:
+    """Of the site at a place of a cell; families stand one after the other, each with as many places."""
+    own = of_one_family(model, found.over)
+    family, place = model.families[sub // own.sites], sub % own.sites
+    return called(family.first + model.loops.site(own, "site", place, (0,) * len(cells), cells, []).value, total(place), cells)
+
+
+def of_one_family(model, over):
+    """The lattice with the places of one family alone."""
+    return replace(over, sites=over.sites // len(model.families))
 
 
 def placed_alone(found, model) -> tuple:
     """The site of the number `colour`, and where it stands."""
-    cells = [Index(f"s{d}") for d in range(len(found.over.size))]
-    place = model.loops.cell_of_site(found.over)
-    return (Let("site", Index("colour")), *place, *called(SITE, Index("sub") if found.over.sites > 1 else ZERO, cells))
+    cells, own, number = [Index(f"s{d}") for d in range(len(found.over.size))], of_one_family(model, found.over), Index("colour")
+    within = number if len(model.families) == 1 else remainder(number, model.families[0].count)
+    return (Let("site", within), *model.loops.cell_of_site(own), *called(SITE if within is number else number, Index("sub") if own.sites > 1 else ZERO, cells))
 
 
 class Sublattices(Part):

@@ -15,6 +15,7 @@ from sympy.printing.str import StrPrinter
 from ...errors import UsageError
 from ...language.expr import Elem, Idx, Par, Time, Weight, slots_of
 from ...language.spec import Lattice, Spec
+from ...language.sublattice import together
 from ...methods import METHODS, Method
 from ..derive.derivatives import Derived, derive, index_text, switched
 from ..derive.parts import expanded
@@ -106,7 +107,7 @@ class Sublattices:
     """The size and places of the lattices that all terms live on, their colours, and the directions in which bonds of some of them close: there the
     size must be a multiple of the colours.
 
-    over: any of them, for its size and its places.
+    over: any of them, for its size and its places; of several families, with the places of all.
     """
     over: Lattice
     colours: Colouring
@@ -126,13 +127,20 @@ def bending(d: Derived) -> str | None:
 
 
 def sublattices(spec: Spec) -> Sublattices | None:
-    """None where sites are taken one by one: several families, or terms that live on no lattice or on several."""
+    """None where sites are taken one by one: terms that live on no lattice or on several, or a family without bonds."""
     joint = [e.over for e in spec.energies if len(slots_of(e.value)) > 1]
     overs = [e.over for e in spec.energies if isinstance(e.over, Lattice)]
-    if len(spec.families) > 1 or not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1:
+    if not joint or any(not isinstance(over, Lattice) for over in joint) or len({(o.size, o.sites) for o in overs}) > 1 or not all_joined(spec, joint):
         return None
-    colours, directions = colouring(overs), range(len(overs[0].size))
-    return Sublattices(overs[0], colours, tuple(any(closes(over, d) for over in overs) for d in directions)) if colours.colours > 1 else None
+    cells, directions = [together(over, [f.name for f in spec.families]) for over in overs], range(len(overs[0].size))
+    colours = colouring(cells)
+    return Sublattices(cells[0], colours, tuple(any(closes(over, d) for over in overs) for d in directions)) if colours.colours > 1 else None
+
+
+def all_joined(spec: Spec, overs) -> bool:
+    """Of several families: has each bonds, and are none tracers?"""
+    homes = {name for over in overs for name in over.families or (over.family,)}
+    return len(spec.families) == 1 or all(f.name in homes and not f.tracer for f in spec.families)
 
 
 def closes(over: Lattice, d: int) -> bool:
@@ -154,7 +162,7 @@ class BondClass:
 
 def bond_classes(spec: Spec) -> tuple:
     """The classes in which the bonds of a lattice are taken, where its rings fit the colours; none where bonds go one after the other."""
-    found = sublattices(spec)
+    found = sublattices(spec) if len(spec.families) == 1 else None
     joint = [e for e in spec.energies if len(slots_of(e.value)) == 2]
     bonds = [(e, n, bond) for e in joint if isinstance(e.over, Lattice) for n, bond in enumerate(e.over.bonds)]
     if found is None or not all(any(not any(offset) for _, offset in bond) for _, _, bond in bonds):
