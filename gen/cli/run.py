@@ -109,7 +109,7 @@ def go(args, out):
     warn_of_jumps(spec, settings)
     with progress(settings.steps, spec.name) as tick:
         if args.distributed:
-            from ..run.distributed import run_distributed
+            from ..run.distributed.run import run_distributed
             return run_distributed(spec, name, out, tick, **given)
         return run(spec, name, out=out, keep=False, progress=tick, **given)
 
@@ -131,7 +131,7 @@ def go_on(args):
         raise UsageError("--resume takes all settings from the file: omit SPEC, --out and --repeat")
     refuse_choices(args, "--resume continues a run unchanged and can be combined with --json only")
     if ranks.on_first(lambda: Path(f"{args.resume}.distributed").is_dir()):
-        from ..run.distributed import resume_distributed
+        from ..run.distributed.run import resume_distributed
         args.out = args.resume
         return resume_distributed(args.resume)
     meta = ranks.on_first(lambda: saved_run(args.resume))

@@ -22,9 +22,9 @@ from smidgen import ranks
 from smidgen.build import binary
 from smidgen.cli import main
 from smidgen.errors import UsageError
-from smidgen.run import distributed
+from smidgen.run.distributed import rows
 binary.FLAGS = tuple("-O0" if f == "-O3" else f for f in binary.FLAGS)
-fault, saves, real = os.environ.get("FAULT"), 0, distributed.Rows.save
+fault, saves, real = os.environ.get("FAULT"), 0, rows.Rows.save
 def save(*given):
     global saves
     real(*given)
@@ -32,7 +32,7 @@ def save(*given):
     if saves == 3 and (ranks.variable(ranks.RANK) or 0) == 1:
         if fault == "kill": os._exit(9)
         if fault == "error": raise UsageError("planted")
-distributed.Rows.save = save
+rows.Rows.save = save
 sys.exit(main())
 """
 MAGNET = lattice("magnet", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + FIELD)

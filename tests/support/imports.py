@@ -21,7 +21,7 @@ TOP, PUBLIC = "smidgen", ("lattice", "lyapunov")
 FLOORS = (      # from the ground up
     ("shared",), ("language",), ("effects",), ("read",), ("compile", "model"),
     ("compile/derive",), ("compile/lower", "compile/plan"), ("compile/assemble",), ("compile/emit",), ("build",),
-    ("run/step",), ("run/files",), ("run/fields",), ("run/record",), ("run",), ("run/many",),
+    ("run/step",), ("run/files",), ("run/fields",), ("run/record",), ("run",), ("run/distributed", "run/many"),
     ("analyse", "analyse/symmetry"), ("analyse/advice",),
     ("check/witness", "cost/measure"), ("check", "cost/peers"), ("check/verify", "cost"),
     ("show/plot",), ("show",), ("show/demo",), ("cli",), (TOP,))
