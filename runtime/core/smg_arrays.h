@@ -4,10 +4,6 @@
 
 #include "smg_arrays_template.h"
 
-SMG_INLINE void smg_zero(smg_real *y, int64_t n) {
-  for (int64_t k = 0; k < n; ++k) y[k] = 0;
-}
-
 /* The largest size, and NaN where there is one. */
 SMG_INLINE smg_real smg_most(const smg_real *y, int64_t n) {
   smg_real most = 0;

@@ -5,6 +5,10 @@ SMG_INLINE void smg_copy(smg_number *to, const smg_number *from, int64_t n) {
   for (int64_t k = 0; k < n; ++k) to[k] = from[k];
 }
 
+SMG_INLINE void smg_zero(smg_number *y, int64_t n) {
+  for (int64_t k = 0; k < n; ++k) y[k] = smg_of(0);
+}
+
 /* y *= a. */
 SMG_INLINE void smg_scale(smg_number *y, smg_number a, int64_t n) {
   for (int64_t k = 0; k < n; ++k) y[k] *= a;

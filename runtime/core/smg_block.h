@@ -25,66 +25,48 @@ SMG_INLINE smg_real smg_block_norm(const smg_real *A) {
 }
 
 #if SMG_BS == 2
-
-#define SMG_ROW(A, B, r, c) (A[2 * (r)] * B[c] + A[2 * (r) + 1] * B[2 + (c)])
 #define smg_block_det smg_det2
-#define smg_block_solve smg_solve2
 #define smg_block_scale smg_scale2
 #define smg_block_adjugate smg_adjugate2
 #define smg_block_positive smg_positive2
+#elif SMG_BS == 3
+#define smg_block_det smg_det3
+#define smg_block_scale smg_scale3
+#define smg_block_adjugate smg_adjugate3
+#define smg_block_positive smg_positive3
+#else
+#error "SMG_BS must be 2 or 3"
+#endif
+#define smg_block_solve(A, x) smg_solve_small(SMG_BS, A, x)
+
+/* A row by a column whose entries are `step` apart. */
+SMG_INLINE smg_real smg_block_dot(const smg_real *a, const smg_real *b, int step) {
+#if SMG_BS == 2
+  return a[0] * b[0] + a[1] * b[step];
+#else
+  return a[0] * b[0] + a[1] * b[step] + a[2] * b[2 * step];
+#endif
+}
 
 /* C = A B, C -= A B; C is none of A, B. */
 SMG_INLINE void smg_block_mul(smg_real *C, const smg_real *A, const smg_real *B) {
-  C[0] = SMG_ROW(A, B, 0, 0), C[1] = SMG_ROW(A, B, 0, 1);
-  C[2] = SMG_ROW(A, B, 1, 0), C[3] = SMG_ROW(A, B, 1, 1);
+  SMG_UNROLL
+  for (int e = 0; e < SMG_BB; e++) C[e] = smg_block_dot(A + e - e % SMG_BS, B + e % SMG_BS, SMG_BS);
 }
-
 SMG_INLINE void smg_block_submul(smg_real *C, const smg_real *A, const smg_real *B) {
-  C[0] -= SMG_ROW(A, B, 0, 0), C[1] -= SMG_ROW(A, B, 0, 1);
-  C[2] -= SMG_ROW(A, B, 1, 0), C[3] -= SMG_ROW(A, B, 1, 1);
+  SMG_UNROLL
+  for (int e = 0; e < SMG_BB; e++) C[e] -= smg_block_dot(A + e - e % SMG_BS, B + e % SMG_BS, SMG_BS);
 }
 
 /* y = A x, y -= A x; y is not x. */
 SMG_INLINE void smg_block_apply(smg_real *y, const smg_real *A, const smg_real *x) {
-  y[0] = A[0] * x[0] + A[1] * x[1], y[1] = A[2] * x[0] + A[3] * x[1];
+  SMG_UNROLL
+  for (int r = 0; r < SMG_BS; r++) y[r] = smg_block_dot(A + SMG_BS * r, x, 1);
 }
-
 SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_real *x) {
-  y[0] -= A[0] * x[0] + A[1] * x[1], y[1] -= A[2] * x[0] + A[3] * x[1];
+  SMG_UNROLL
+  for (int r = 0; r < SMG_BS; r++) y[r] -= smg_block_dot(A + SMG_BS * r, x, 1);
 }
-
-#elif SMG_BS == 3
-
-#define SMG_ROW(A, B, r, c) (A[3 * (r)] * B[c] + A[3 * (r) + 1] * B[3 + (c)] + A[3 * (r) + 2] * B[6 + (c)])
-#define smg_block_det smg_det3
-#define smg_block_solve smg_solve3
-#define smg_block_scale smg_scale3
-#define smg_block_adjugate smg_adjugate3
-#define smg_block_positive smg_positive3
-
-SMG_INLINE void smg_block_mul(smg_real *C, const smg_real *A, const smg_real *B) {
-  C[0] = SMG_ROW(A, B, 0, 0), C[1] = SMG_ROW(A, B, 0, 1), C[2] = SMG_ROW(A, B, 0, 2);
-  C[3] = SMG_ROW(A, B, 1, 0), C[4] = SMG_ROW(A, B, 1, 1), C[5] = SMG_ROW(A, B, 1, 2);
-  C[6] = SMG_ROW(A, B, 2, 0), C[7] = SMG_ROW(A, B, 2, 1), C[8] = SMG_ROW(A, B, 2, 2);
-}
-
-SMG_INLINE void smg_block_submul(smg_real *C, const smg_real *A, const smg_real *B) {
-  C[0] -= SMG_ROW(A, B, 0, 0), C[1] -= SMG_ROW(A, B, 0, 1), C[2] -= SMG_ROW(A, B, 0, 2);
-  C[3] -= SMG_ROW(A, B, 1, 0), C[4] -= SMG_ROW(A, B, 1, 1), C[5] -= SMG_ROW(A, B, 1, 2);
-  C[6] -= SMG_ROW(A, B, 2, 0), C[7] -= SMG_ROW(A, B, 2, 1), C[8] -= SMG_ROW(A, B, 2, 2);
-}
-
-SMG_INLINE void smg_block_apply(smg_real *y, const smg_real *A, const smg_real *x) {
-  for (int r = 0; r < 3; r++) y[r] = A[3 * r] * x[0] + A[3 * r + 1] * x[1] + A[3 * r + 2] * x[2];
-}
-
-SMG_INLINE void smg_block_subapply(smg_real *y, const smg_real *A, const smg_real *x) {
-  for (int r = 0; r < 3; r++) y[r] -= A[3 * r] * x[0] + A[3 * r + 1] * x[1] + A[3 * r + 2] * x[2];
-}
-
-#else
-#error "SMG_BS must be 2 or 3"
-#endif
 
 /* C = D^-1; `before` is the scale of the block before elimination touched it. Returns 0, or 1
  * when D is singular up to round-off: of its own terms, or of what was subtracted from it. */

@@ -28,6 +28,9 @@
 #ifndef SMG_PUSHES
 #define SMG_PUSHES 0
 #endif
+#ifndef SMG_MATRIX_FREE
+#define SMG_MATRIX_FREE 0
+#endif
 #ifndef SMG_CYCLIC
 #define SMG_CYCLIC 0
 #endif

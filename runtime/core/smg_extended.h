@@ -7,7 +7,7 @@
 #ifndef SMG_EXTENDED_H
 #define SMG_EXTENDED_H
 
-#include "smg_model.h"
+#include "smg_respond.h"
 #include "smg_wide.h"
 
 #define SMG_WIDE_TERMS 40
@@ -119,14 +119,9 @@ static inline void smg_wide_turn(smg_state *s, int64_t k) {
 
 /* d <- the change of h X(m) when m changes by d and dH/dw by y; joins v. */
 static inline void smg_wide_follow(smg_state *s, int64_t k) {
-  const smg_coefficients *c = &s->c;
-  smg_real n[3], dn[3], a[3], *d = s->wide_d + 3 * k;
-  smg_normal(c, k, s->wide_m + 6 * k, n);
-  smg_normal(c, k, d, dn);
-  smg_cross(a, dn, s->wide_g + 6 * k);
-  smg_cross(d, n, s->wide_y + 3 * k);
-  smg_axpy(d, 1, a, 3);
-  smg_scale(d, smg_h_over_kappa(c, k, c->h), 3);
+  smg_real *d = s->wide_d + 3 * k;
+  smg_respond_vary(&s->c, k, s->wide_m + 6 * k, s->wide_g + 6 * k, d, s->wide_y + 3 * k, d);
+  smg_scale(d, smg_h_over_kappa(&s->c, k, s->c.h), 3);
 }
 
 /* d <- E d, E = d(h X(P(w + u/2)))/du; returns the largest component. */

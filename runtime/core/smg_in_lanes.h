@@ -37,6 +37,7 @@
 #define smg_of_bits smg_lane_of_bits
 #define smg_dot smg_lane_dot
 #define smg_copy smg_lane_copy
+#define smg_zero smg_lane_zero
 #define smg_scale smg_lane_scale
 #define smg_divide smg_lane_divide
 #define smg_multiple smg_lane_multiple
@@ -44,6 +45,7 @@
 #define smg_waxpy smg_lane_waxpy
 #define smg_choose smg_lane_choose
 #define smg_cross smg_lane_cross
+#define smg_turn_increment smg_lane_turn_increment
 #define smg_add_compensated smg_lane_add_compensated
 #define smg_all smg_lane_all
 #define smg_number_of smg_lane_number_of

@@ -37,6 +37,7 @@
 #undef smg_of_bits
 #undef smg_dot
 #undef smg_copy
+#undef smg_zero
 #undef smg_scale
 #undef smg_divide
 #undef smg_multiple
@@ -44,6 +45,7 @@
 #undef smg_waxpy
 #undef smg_choose
 #undef smg_cross
+#undef smg_turn_increment
 #undef smg_add_compensated
 #undef smg_all
 #undef smg_number_of

@@ -130,18 +130,13 @@ typedef struct smg_lattice_site {
 #endif
 
 #if SMG_HAS_COUPLED
-/* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by
- * smg_matrix_*.h. */
-#if SMG_MATRIX_FREE
+/* J += G_i B S_j^T, y = B S_j^T; without a stored matrix also its transpose, by z = B G_j^T: defined by smg_newton.h or
+ * smg_matrix_free.h. */
 static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y, const smg_real *z);
-#else
-static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y);
-#endif
 #endif
 
 /* A Hessian block B = d2H/dw_i dw_j of one term for Newton's matrix; add_product: the call that adds B `direction` to
  * `product`. */
-#if SMG_MATRIX_FREE
 #define SMG_BLOCK(i, j, add_product)                             \
   do {                                                           \
     smg_real y[3 * SMG_BS] = {0}, z[3 * SMG_BS] = {0};           \
@@ -149,24 +144,12 @@ static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, con
       const smg_real *direction = s->S + 3 * (SMG_BS * (j) + l); \
       smg_real *product = y + 3 * l;                             \
       add_product;                                               \
-      if ((i) == (j)) continue;                                  \
+      if (!SMG_MATRIX_FREE || (i) == (j)) continue;              \
       direction = s->G + 3 * (SMG_BS * (j) + l);                 \
       product = z + 3 * l;                                       \
       add_product;                                               \
     }                                                            \
-    smg_add_hessian(s, i, j, y, z);                              \
+    smg_add_hessian(s, i, j, y, SMG_MATRIX_FREE ? z : NULL);     \
   } while (0)
-#else
-#define SMG_BLOCK(i, j, add_product)                                   \
-  do {                                                                 \
-    smg_real y[3 * SMG_BS] = {0};                                      \
-    for (int l = 0; l < SMG_BS; ++l) {                                 \
-      const smg_real *const direction = s->S + 3 * (SMG_BS * (j) + l); \
-      smg_real *const product = y + 3 * l;                             \
-      add_product;                                                     \
-    }                                                                  \
-    smg_add_hessian(s, i, j, y);                                       \
-  } while (0)
-#endif
 
 #endif

@@ -124,4 +124,17 @@ SMG_INLINE void smg_respond_all(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED
                                 SMG_UNUSED smg_real *g) {}
 #endif
 
+/* DX dm without its factor h/kappa: grad C(dm) x R + grad C(m) x R', R' the change of R with m by dm and with the
+ * gradient by y. */
+SMG_INLINE void smg_respond_vary(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
+                                 const smg_real *dm, const smg_real *y, smg_real *out) {
+  smg_real n[3], dn[3], turned[3], room[3], change[3];
+  smg_normal(c, k, m, n);
+  smg_normal(c, k, dm, dn);
+  smg_cross(turned, dn, smg_respond(c, k, m, g, room));
+  smg_respond_turn(c, k, m, g, dm, turned);
+  smg_cross(out, n, smg_respond_change(c, k, m, y, change));
+  smg_axpy(out, 1, turned, 3);
+}
+
 #endif

@@ -180,16 +180,6 @@ SMG_INLINE smg_real smg_bound(int n, const smg_real *A) {
   return most;
 }
 
-/* Solves A x = b in place (x holds b), by Cramer's rule; returns 0, or 2 when singular. */
-SMG_INLINE int smg_solve2(const smg_real *A, smg_real *x) {
-  const smg_real det = smg_det2(A);
-  if (smg_vanishes(det, smg_scale2(A))) return 2;
-  const smg_real x0 = (x[0] * A[3] - A[1] * x[1]) / det;
-  x[1] = (A[0] * x[1] - x[0] * A[2]) / det;
-  x[0] = x0;
-  return 0;
-}
-
 /* C = det(A) A^-1, so that A C = det(A) I. */
 SMG_INLINE void smg_adjugate2(smg_real *C, const smg_real *A) {
   C[0] = A[3], C[1] = -A[1];
@@ -208,14 +198,17 @@ SMG_INLINE void smg_adjugate3(smg_real *C, const smg_real *A) {
   C[8] = A[0] * A[4] - A[1] * A[3];
 }
 
-/* Solves A x = b in place (x holds b), by cofactors; returns 0, or 3 when singular. */
-SMG_INLINE int smg_solve3(const smg_real *A, smg_real *x) {
+/* Solves A x = b in place (x holds b) by cofactors, n = 2 or 3; returns 0, or n when singular. */
+SMG_INLINE int smg_solve_small(int n, const smg_real *A, smg_real *x) {
+  const smg_real b[3] = {x[0], x[1], x[n - 1]}, det = n == 2 ? smg_det2(A) : smg_det3(A);
   smg_real C[9];
-  const smg_real b[3] = {x[0], x[1], x[2]};
-  smg_adjugate3(C, A);
-  const smg_real det = A[0] * C[0] + A[1] * C[3] + A[2] * C[6];
-  if (smg_vanishes(det, smg_scale3(A))) return 3;
-  for (int r = 0; r < 3; r++) x[r] = (C[3 * r] * b[0] + C[3 * r + 1] * b[1] + C[3 * r + 2] * b[2]) / det;
+  if (smg_vanishes(det, n == 2 ? smg_scale2(A) : smg_scale3(A))) return n;
+  if (n == 2) smg_adjugate2(C, A);
+  else smg_adjugate3(C, A);
+  for (int r = 0; r < n; r++) {
+    const smg_real *row = C + n * r, two = row[0] * b[0] + row[1] * b[1];
+    x[r] = (n == 2 ? two : two + row[2] * b[2]) / det;
+  }
   return 0;
 }
 

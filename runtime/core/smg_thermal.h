@@ -39,12 +39,10 @@ static inline void smg_turn_about(const double *theta, smg_real *w) {
     p = 2 * p * (1 - less);
     less = 2 * less * (2 - less);
   }
-  const smg_real v[3] = {p * theta[0], p * theta[1], p * theta[2]}, q = 1 - less, part = 2 / (q * q + smg_dot(v, v));
-  smg_real a[3], b[3];
-  smg_cross(a, v, w);
-  smg_cross(b, v, a);
-  smg_axpy(b, q, a, 3);
-  smg_axpy(w, part, b, 3);
+  const smg_real v[3] = {-p * theta[0], -p * theta[1], -p * theta[2]}; /* the turn is by v x w */
+  smg_real u[3];
+  smg_turn_increment(1 - less, v, w, u);
+  smg_axpy(w, 1, u, 3);
 }
 
 /* The noise of one half of a step at site k. */

@@ -17,14 +17,12 @@ SMG_INLINE smg_number smg_way_back(smg_real inverse, const smg_number *w) {
 
 /* w about g; back: and some of the way back to its length. */
 SMG_INLINE void smg_turn_one(const smg_number *g, smg_real inverse, int back, smg_number *w, smg_number *lost) {
-  const smg_number scale = 2 / (1 + smg_dot(g, g)), more = smg_way_back(inverse, w);
-  smg_number x[3], xx[3];
-  smg_cross(x, w, g);
-  smg_cross(xx, x, g);
+  const smg_number more = smg_way_back(inverse, w);
+  smg_number moved[3];
+  smg_turn_increment(smg_of(1), g, w, moved);
   for (int b = 0; b < 3; ++b) {
-    smg_number moved = scale * (x[b] + xx[b]);
-    if (back) moved += more * (w[b] + moved);
-    smg_add_compensated(w + b, lost + b, moved);
+    if (back) moved[b] += more * (w[b] + moved[b]);
+    smg_add_compensated(w + b, lost + b, moved[b]);
   }
 }
 

@@ -93,7 +93,7 @@ SMG_INLINE int smg_next_run(const smg_coefficients *c, smg_piece *piece, smg_run
 /* The gradient of one vector of a run, of blocks or not; of empty slots at the ends of rows it is 0. */
 SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m,
                                  int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
-  for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
+  smg_lane_zero(g, 3);
   smg_slot_gradient(c, run, blocks, m, pitch, j, p, g);
   if (!blocks) smg_only_sites(run, p, g);
 }

@@ -136,28 +136,13 @@ static void smg_largest_of_ranks(smg_real *a, smg_real *b) {
   *b = most[1];
 }
 
-/* What one rank has of an array of some colours, x, y and z a pitch apart, as one thing to send. */
-static MPI_Datatype smg_mpi_block(const smg_coefficients *c, int rank, int64_t pitch, int64_t colours) {
-  const int64_t slots = smg_mpi_from(c, rank + 1) - smg_mpi_from(c, rank);
-  MPI_Datatype one, all;
-  MPI_Type_create_hvector((int)colours, (int)slots, (MPI_Aint)(smg_colour_slots(c) * (int64_t)sizeof(smg_real)),
-                          SMG_MPI_REAL, &one);
-  MPI_Type_create_hvector(3, 1, (MPI_Aint)(pitch * (int64_t)sizeof(smg_real)), one, &all);
-  MPI_Type_commit(&all);
-  MPI_Type_free(&one);
-  return all;
-}
-
-/* All ranks get all parts, from hand to hand around a ring. */
+/* All ranks get all parts of an array of some colours, x, y and z a pitch apart. */
 static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colours) {
-  const int n = smg_mpi_size, next = (smg_mpi_me + 1) % n, before = (smg_mpi_me + n - 1) % n;
-  for (int k = 0; k < n - 1; ++k) {
-    const int mine = (smg_mpi_me + n - k) % n, other = (before + n - k) % n;
-    MPI_Datatype sent = smg_mpi_block(c, mine, pitch, colours), received = smg_mpi_block(c, other, pitch, colours);
-    MPI_Sendrecv(array + smg_mpi_from(c, mine), 1, sent, next, 0, array + smg_mpi_from(c, other), 1, received, before,
-                 0, SMG_MPI_COMM, MPI_STATUS_IGNORE);
-    MPI_Type_free(&sent);
-    MPI_Type_free(&received);
+  for (int rank = 0; rank < smg_mpi_parts; ++rank) {
+    const int64_t from = smg_mpi_from(c, rank), slots = smg_mpi_from(c, rank + 1) - from;
+    for (int64_t q = 0; q < 3 * colours; ++q)
+      MPI_Bcast(array + q / colours * pitch + q % colours * smg_colour_slots(c) + from, (int)slots, SMG_MPI_REAL, rank,
+                SMG_MPI_COMM);
   }
 }
 

@@ -118,8 +118,7 @@ static inline int smg_dense_coercive(int64_t n, smg_real *A) {
  * Returns 0, or 1 + the column at which A is singular to round-off (x is then spoilt). */
 SMG_INLINE int64_t smg_dense_solve(int64_t n, smg_real *A, smg_real *x, int *sign) {
   if (n == 2 || n == 3) *sign = (n == 2 ? smg_det2(A) : smg_det3(A)) < 0 ? -1 : 1;
-  if (n == 2) return smg_solve2(A, x);
-  if (n == 3) return smg_solve3(A, x);
+  if (n == 2 || n == 3) return smg_solve_small((int)n, A, x);
   const int64_t failed = smg_dense_factor(n, A, x, sign);
   if (failed) return failed;
   smg_dense_substitute(n, A, x);

@@ -116,15 +116,12 @@ static inline void smg_newton_correct(const smg_coefficients *c, int64_t k, smg_
   for (int b = 0; b < 3; ++b) v[b] = S[b] * a[0] + S[3 + b] * a[1];
   smg_normal(c, k, v, dn);
   smg_cross(turned, dn, smg_respond(c, k, m, g, room));
-  if (smg_kind(c, k) == SMG_R3) {
-    if (!(s > 0)) return;
-    smg_unit(m, n); /* m may be too small to be squared */
-    const smg_real gamma = smg_dot(n, res) + rate * smg_dot(n, turned);
-    for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * n[b];
-    return;
-  }
-  const smg_real gamma = (smg_dot(n, res) + rate * smg_dot(n, turned)) / smg_dot(m, n);
-  for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * m[b];
+  const int unit = smg_kind(c, k) == SMG_R3; /* m may be too small to be squared */
+  if (unit && !(s > 0)) return;
+  if (unit) smg_unit(m, n);
+  const smg_real *along = unit ? n : m,
+                 gamma = (smg_dot(n, res) + rate * smg_dot(n, turned)) / (unit ? 1 : smg_dot(m, n));
+  for (int b = 0; b < 3; ++b) mbar[b] += v[b] / s + gamma * along[b];
 }
 
 #endif

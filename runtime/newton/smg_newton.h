@@ -20,7 +20,8 @@ static inline int64_t smg_block_row(int64_t row) {
 
 /* J_ij += G_i B S_j^T for the Hessian block B of one term, y = B S_j^T. */
 #if !SMG_MATRIX_FREE
-static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y) {
+static inline void smg_add_hessian(const smg_state *s, int64_t i, int64_t j, const smg_real *y,
+                                   SMG_UNUSED const smg_real *z) {
   smg_real block[SMG_BB];
   smg_frame_block(s->G + 3 * SMG_BS * i, y, block);
   smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, j), block);

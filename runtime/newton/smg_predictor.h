@@ -28,12 +28,28 @@ static inline smg_real smg_past_weight(SMG_UNUSED const smg_state *s, int degree
   return smg_weight(degree, j);
 }
 
+#endif
+
+/* Component k of the increment of the step, or of the stage, under way. */
 static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree) {
   smg_real sum = 0;
-  for (int j = 0; j <= degree; ++j) sum += smg_weight(degree, j) * s->past[j][k];
+  for (int j = 0; j < smg_terms(degree); ++j) sum += smg_past_weight(s, degree, j) * s->past[j][k];
   return sum;
 }
 
+#if SMG_COMPOSED
+/* Which level would have served best in the stage just solved? A sample of the components decides. */
+static void smg_choose_degree(smg_state *s) {
+  const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
+  if (s->history < SMG_HISTORY) {
+    s->degree = smg_highest_level(s->history + 1);
+    return;
+  }
+  for (int64_t k = 0; k < size; k += stride)
+    for (int l = 0; l < SMG_LEVELS; ++l) smg_take_miss(s, l, s->u[k] - smg_extrapolate(s, k, l));
+  smg_choose_level(s);
+}
+#else
 /* The components k, k + stride, .. of a, as many as there are lanes; 0 beyond the last one. */
 static inline smg_lanes smg_sampled(const smg_real *a, int64_t k, int64_t stride, int64_t size) {
   smg_real x[SMG_LANES] = {0};

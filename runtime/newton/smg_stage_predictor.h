@@ -40,6 +40,24 @@ static inline void smg_choose_level(smg_state *s) {
     if (s->misses[l] <= s->misses[s->degree]) s->degree = l;
 }
 
+/* A level has missed a value of the stage just solved by so much. */
+static inline void smg_take_miss(smg_state *s, int level, smg_real miss) { s->misses[level] += miss * miss; }
+
+/* How many increments a level takes, and the weight of the j-th in the stage under way. */
+static inline int smg_terms(int level) { return level < 0 ? 0 : smg_span(level); }
+static inline smg_real smg_past_weight(const smg_state *s, int level, int j) {
+  return (smg_real)smg_stage_weights[s->stage][level][j];
+}
+
+/* miss[l] += the error, squared, that every level would have made in the newest value, row[0]. */
+static inline void smg_add_level_misses(const smg_state *s, const smg_real *row, smg_real *miss) {
+  for (int l = 0; l < SMG_LEVELS; ++l) {
+    smg_real off = row[0];
+    for (int j = 0; j < smg_span(l); ++j) off -= smg_past_weight(s, l, j) * row[j + 1];
+    miss[l] += off * off;
+  }
+}
+
 #if SMG_SINGLE_SPHERE
 /* The row of the stage under way, (u, gamma q), from the rows before it; q = 1/|w + W| depends on the stages as u/gamma
  * does. */
@@ -56,13 +74,11 @@ SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
 
 /* The error that every level would have made in the newest row, squared. */
 SMG_COLD static void smg_stage_misses(smg_state *s) {
-  const smg_real *row = s->rows + 4 * s->row;
-  for (int l = 0; l < SMG_LEVELS; ++l)
-    for (int i = 0; i < 3; ++i) {
-      smg_real miss = row[i];
-      for (int j = 0; j < smg_span(l); ++j) miss -= (smg_real)smg_stage_weights[s->stage][l][j] * row[4 * (j + 1) + i];
-      s->misses[l] += miss * miss;
-    }
+  for (int i = 0; i < 3; ++i) {
+    smg_real row[SMG_HISTORY + 1];
+    for (int j = 0; j <= SMG_HISTORY; ++j) row[j] = s->rows[4 * (s->row + j) + i];
+    smg_add_level_misses(s, row, s->misses);
+  }
   smg_choose_level(s);
 }
 
@@ -71,43 +87,6 @@ SMG_INLINE void smg_stage_done(smg_state *s) {
   if (s->history < SMG_HISTORY) s->degree = smg_highest_level(++s->history);
   else if (smg_time_to_choose(s, SMG_HISTORY)) smg_stage_misses(s);
   ++s->stage;
-}
-#else
-/* How many increments a level takes, and the weight of the j-th in the stage under way. */
-static inline int smg_terms(int level) { return level < 0 ? 0 : smg_span(level); }
-static inline smg_real smg_past_weight(const smg_state *s, int level, int j) {
-  return (smg_real)smg_stage_weights[s->stage][level][j];
-}
-
-/* Component k of the increment of the stage under way. */
-static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int level) {
-  smg_real sum = 0;
-  for (int j = 0; j < smg_terms(level); ++j) sum += smg_past_weight(s, level, j) * s->past[j][k];
-  return sum;
-}
-
-/* miss[l] += the error, squared, that every level would have made in the newest value, row[0]. */
-static inline void smg_add_level_misses(const smg_state *s, const smg_real *row, smg_real *miss) {
-  for (int l = 0; l < SMG_LEVELS; ++l) {
-    smg_real off = row[0];
-    for (int j = 0; j < smg_span(l); ++j) off -= smg_past_weight(s, l, j) * row[j + 1];
-    miss[l] += off * off;
-  }
-}
-
-/* Which level would have served best in the stage just solved? A sample of the components decides. */
-static void smg_choose_degree(smg_state *s) {
-  const int64_t size = 3 * smg_sites(&s->c), stride = 1 + size / 256;
-  if (s->history < SMG_HISTORY) {
-    s->degree = smg_highest_level(s->history + 1);
-    return;
-  }
-  for (int64_t k = 0; k < size; k += stride)
-    for (int l = 0; l < SMG_LEVELS; ++l) {
-      const smg_real miss = s->u[k] - smg_extrapolate(s, k, l);
-      s->misses[l] += miss * miss;
-    }
-  smg_choose_level(s);
 }
 #endif
 

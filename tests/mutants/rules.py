@@ -37,7 +37,7 @@ JACOBIAN = (
     (MIDPOINT, r"l, rate, row, 3\)", r"l, 0, row, 3)"),
     (MIDPOINT, r"rate \* s \* smg_dot", r"rate * smg_dot"),
     (MIDPOINT, r"l, s, E \+ 3 \* l, 3\)", r"l, 1, E + 3 * l, 3)"),
-    (MIDPOINT, r" \+ gamma \* m\[b\]", r""),
+    (MIDPOINT, r" \+ gamma \* along\[b\]", r""),
     (MIDPOINT, r"S\[b\] \* a\[0\] \+ ", r""),
     ("runtime/core/smg_site.h", r"-\(smg_dot\(E \+ 3 \* r, m\) / smg_dot\(n, m\)\)", r"0"),
     (NEWTON, r"smg_add_block\(s, smg_row\(&s->c, i\), smg_row\(&s->c, j\), block\)", r"smg_add_block(s, smg_row(&s->c, i), smg_row(&s->c, i), block)"),

@@ -18,10 +18,9 @@ class Composed(Part):
         if not model.method.of_midpoints:
             return []
         misses = buffer("misses", 5, "errors of each level of the predictor in a step, and the number of stages")
-        if model.solo:
-            return [misses]
+        before = buffer("before", 6 * model.total, "w and compensation before the step")
         kept = buffer("increments", 3 * model.composed * model.total, "increments of all stages of the last step")
-        return [misses, buffer("before", 6 * model.total, "w and compensation before the step"), *([kept] if keeps_stages(model) else [])]
+        return [misses, before, *([kept] if keeps_stages(model) else [])]
 
     def members(self, model):
         if not model.method.of_midpoints:

@@ -131,7 +131,7 @@ SMG_INLINE void smg_place_points(const smg_gauss_work *a, int q, int64_t k) {
   for (int b = 0; b < 4; ++b) z[b] = *smg_vector_at(a, SMG_STAGE_X, b, q, k);
   smg_point(size * size, z, x, a->points + 3 * k);
   for (int b = 0; b < 4; ++b) *smg_vector_at(a, SMG_STAGE_X, b, q, k) = x[b];
-  for (int b = 0; b < 3; ++b) a->gradients[3 * k + b] = smg_lane_of(0);
+  smg_lane_zero(a->gradients + 3 * k, 3);
 }
 
 /* dH/dw at the points of the q-th block of stages, one a lane. */

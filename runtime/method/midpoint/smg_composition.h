@@ -28,34 +28,37 @@ struct smg_row_call; /* there is none */
 #error "smg_composition.h: no SMG_EXTENDED"
 #endif
 
-#if SMG_SINGLE_SPHERE
-/* What a step changes before it is known to succeed. */
-typedef struct smg_before {
-  smg_vec w, compensation;
-  int row, degree, history;
-} smg_before;
+/* What a step changes before it is known to succeed: the state, but no array of the increments before it
+ * (smg_stage_done), with w and compensation in s->before. By rows the second stage begins in other arrays. */
+typedef smg_state smg_before;
 
-/* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
-static inline void smg_hold(smg_state *s, smg_before *b, SMG_UNUSED const struct smg_row_call *rows) {
+static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
+  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
+#if SMG_SINGLE_SPHERE
+  /* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
   if (s->row < SMG_COMPOSED) {
     smg_copy(s->rows + 4 * (SMG_ROWS - SMG_HISTORY), s->rows + 4 * s->row, 4 * SMG_HISTORY);
     s->row = SMG_ROWS - SMG_HISTORY;
   }
-  b->w = smg_vec_load(s->w);
-  b->compensation = smg_vec_load(s->compensation);
-  b->row = s->row;
-  b->degree = s->degree;
-  b->history = s->history;
+#endif
+  smg_copy(s->before, s->w, n3);
+  smg_copy(s->before + n3, s->compensation, n3);
+  *b = *s;
 }
 
-static inline void smg_give_back(smg_state *s, const smg_before *b, SMG_UNUSED const struct smg_row_call *rows) {
-  smg_vec_store(s->w, b->w);
-  smg_vec_store(s->compensation, b->compensation);
-  s->row = b->row;
-  s->degree = b->degree;
-  s->history = b->history;
+static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
+  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
+  const smg_report report = s->report;
+  *s = *b;
+  s->report = report;
+#if SMG_BY_ROWS
+  s->row_due = 0; /* the first stage has added what the step before had left */
+#endif
+  smg_copy(s->w, s->before, n3);
+  smg_copy(s->compensation, s->before + n3, n3);
 }
 
+#if SMG_SINGLE_SPHERE
 /* The coefficients of a stage: some have the step in them. Those of all sizes of stages are kept, after the h that they
  * are for: s->prepared is 1 and h, then one smg_coefficients a size. */
 static inline size_t smg_prepared_size(int64_t stages) {
@@ -80,28 +83,6 @@ static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle,
   return smg_sphere_step(s);
 }
 #else
-/* The state itself: a step changes no array of the increments before it (smg_stage_done). */
-typedef smg_state smg_before;
-
-static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
-  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c); /* by rows the second stage begins in other arrays */
-  smg_copy(s->before, s->w, n3);
-  smg_copy(s->before + n3, s->compensation, n3);
-  *b = *s;
-}
-
-static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
-  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
-  const smg_report report = s->report;
-  *s = *b;
-  s->report = report;
-#if SMG_BY_ROWS
-  s->row_due = 0; /* the first stage has added what the step before had left */
-#endif
-  smg_copy(s->w, s->before, n3);
-  smg_copy(s->compensation, s->before + n3, n3);
-}
-
 /* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure
  * later in this step would need: it is kept, and a spare one takes its place. */
 static inline void smg_stage_done(smg_state *s, smg_real **u) {

@@ -27,11 +27,7 @@ SMG_INLINE void smg_stage_point(const smg_real *w, const smg_real *g, smg_real *
 }
 
 SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *g, smg_real *u) {
-  smg_real x[3];
-  smg_cross(x, w, g);
-  smg_cross(u, x, g);
-  smg_axpy(u, 1, x, 3);
-  smg_scale(u, 2 / (1 + smg_dot(g, g)), 3);
+  smg_turn_increment(1, g, w, u);
 }
 
 SMG_INLINE int smg_stage_serves(SMG_UNUSED const smg_real *a) { return 1; }

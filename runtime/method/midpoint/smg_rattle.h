@@ -31,12 +31,9 @@ SMG_INLINE void smg_rattle_turn(const smg_real *a, smg_real *q) {
 
 /* W = q1* w q1. */
 SMG_INLINE void smg_stage_increment(const smg_real *w, const smg_real *a, smg_real *u) {
-  smg_real q[4], x[3];
+  smg_real q[4];
   smg_rattle_turn(a, q);
-  smg_cross(x, w, q + 1);
-  smg_cross(u, x, q + 1);
-  smg_axpy(u, q[0], x, 3);
-  smg_scale(u, 2 / (q[0] * q[0] + smg_dot(q + 1, q + 1)), 3);
+  smg_turn_increment(q[0], q + 1, w, u);
 }
 
 /* A is found by a division by x; B, from the end of the step, by y. */

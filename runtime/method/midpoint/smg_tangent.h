@@ -57,17 +57,12 @@ static inline int smg_lift_column(const smg_state *s, int64_t k, const smg_real 
 static inline void smg_vary(const smg_coefficients *c, int64_t k, smg_real h, const smg_real *m, const smg_real *g,
                             const smg_real *dm, const smg_real *y, smg_real *out) {
   const smg_real rate = smg_h_over_kappa(c, k, h);
-  smg_real n[3], dn[3], turned[3], room[3], change[3];
-  smg_normal(c, k, m, n);
-  smg_normal(c, k, dm, dn);
-  smg_cross(turned, dn, smg_respond(c, k, m, g, room));
-  smg_respond_turn(c, k, m, g, dm, turned);
-  smg_cross(out, n, smg_respond_change(c, k, m, y, change));
-  smg_axpy(out, 1, turned, 3);
+  smg_respond_vary(c, k, m, g, dm, y, out);
 #if SMG_DIVIDED
   /* u = h X/q: on top of h DX dm/q comes h X d(1/q) */
-  smg_real X[3], root;
+  smg_real n[3], X[3], root;
   const smg_real q = smg_divisor(c, k, h, g, &root), slope = smg_divisor_slope(c, k, h, g, y, q, root);
+  smg_normal(c, k, m, n);
   smg_cross(X, n, g);
   for (int b = 0; b < 3; ++b) out[b] = rate * (out[b] + slope * X[b]) / q;
 #else
@@ -88,7 +83,7 @@ static inline int smg_solve_change(const smg_state *s, smg_real h, int64_t k, co
     smg_vary(&s->c, k, h, m, g, dm, y, column);
     for (int b = 0; b < 3; ++b) J[3 * b + l] = e[b] - 0.5 * column[b];
   }
-  return smg_solve3(J, d);
+  return smg_solve_small(3, J, d);
 }
 
 /* One site alone; a tracer is moved by the coupled ones, whose d and dm are in mem. */
