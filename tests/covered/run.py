@@ -18,15 +18,21 @@ from mutants.report import code, table  # noqa: E402
 
 ROOT = HERE.parent.parent
 LEAST = 0.99
-# The tests of the headers, and of steps that come to their edges; without other compilers and copies with faults.
-RUN = re.compile(r"edges_of|test_(runtime|krylov|band|sparse|follow|shown|units|statuses|tolerance|compositions|splittings|(gauss|dop853)_header|tangent"
-                 r"|sites_alone|accepted_steps|branch|interface|extended|one_site|newton_at_large_steps|bad_steps|nearness|loops|round_off|lanes"
-                 r"|(gauss_|pair_|sublattice_)?rows|row_wave|row_blocks|set_state|damping|noise|response|few|states|ensemble|comparators|extrapolation|checkpoint|run)")
-DESELECTED = "not mutants and not clang and not g++"
+# The tests of the headers, and of steps that come to their edges, as few files as take all branches that any takes; without other
+# compilers and copies with faults.
+RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_at_large_steps|row_(blocks|wave)|rows"
+                 r"|rows_(by_site|classical|composed|families|far|growing|held|in_time|torques)|runtime|shown|sparse|units)\.py"
+                 r"|/run/test_(checkpoint|ensemble|interface|nearness|parameters|set_state|shared_model|spoilt_states|statuses|tolerance)\.py"
+                 r"|/laws/test_(accepted_steps|damping|held|noise|noise_edges|response)\.py"
+                 r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
+                 r"|/method/test_(sublattice_rows|tangent)\.py")
+# Those of which tests that are slow take more.
+SLOW = re.compile(r"test_(compositions|lanes|pair_rows|row_blocks|row_wave|set_state|shared_model|sublattice_rows)\.py")
+DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
 
 def measure(place: Path) -> tuple[dict, str]:
-    """(counts of all headers, the last line of pytest). Raises RuntimeError when a test fails."""
+    """(counts of all headers, the last lines of pytest). Raises RuntimeError when tests do not run."""
     data, shims = place / "data", place / "bin"
     shims.mkdir()
     for name in ("gcc", "cc"):
@@ -34,11 +40,16 @@ def measure(place: Path) -> tuple[dict, str]:
     env = {**os.environ, "REAL_GCC": shutil.which("gcc"), "GCOV_PREFIX": str(data), "OPENBLAS_NUM_THREADS": "1",
            "PATH": f"{shims}:{os.environ['PATH']}", "CC": ""}
     files = [f for f in test_files(ROOT) if RUN.search(f)]
-    said = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long", "-k", DESELECTED,
+    last = [run(place, env, "not long and not slow", files), run(place, env, "slow and not long", [f for f in files if SLOW.search(f)])]
+    return counts(data, ROOT / "runtime"), "\n".join(last)
+
+
+def run(place: Path, env: dict, marks: str, files: list) -> str:
+    said = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", marks, "-k", DESELECTED,
                            f"--basetemp={place / 'tmp'}", *files], cwd=ROOT, env=env, capture_output=True, text=True)
     if said.returncode not in (0, 1):
         raise RuntimeError(said.stdout[-3000:] + said.stderr[-1000:])
-    return counts(data, ROOT / "runtime"), said.stdout.strip().splitlines()[-1]
+    return said.stdout.strip().splitlines()[-1]
 
 
 def missing(header: str, taken: dict) -> list:
