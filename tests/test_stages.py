@@ -123,7 +123,7 @@ def test_slow_tests_are_tests():
 def test_tests_stand_in_the_order_of_the_sources():
     """A folder for each stage, of its name; beside them the runtime and its methods, laws, and what has a command of its own."""
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
-    assert folders - STAGES == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants"} and STAGES <= folders
+    assert folders - STAGES == {"runtime", "method", "laws", "linking", "fuzz", "frozen", "hard", "mutants", "covered"} and STAGES <= folders
     assert [path.name for path in (ROOT / "tests").glob("test_*.py")] == ["test_stages.py"]
 
 
