@@ -1,8 +1,11 @@
 /* smidgen runtime: random numbers that a counter gives, without a state: Philox4x32-10 (Salmon, Moraes, Dror, Shaw,
  * "Parallel random numbers: as easy as 1, 2, 3", SC 2011), and normals from them by Box and Muller with a logarithm,
- * cosine and sine made of sums and products alone, so that every compiler and every libm gives the same bits. */
+ * cosine and sine made of sums, products and quotients alone, so that every compiler and every libm gives the same bits,
+ * and without branches, so that compilers draw for several sites at once. */
 #ifndef SMG_RANDOM_H
 #define SMG_RANDOM_H
+
+#include <string.h>
 
 #include "smidgen.h"
 
@@ -41,11 +44,26 @@ static inline smg_philox smg_counter(int64_t step, int64_t site, int use, uint32
   return counter;
 }
 
+/* A word as a number, by a conversion that all vector registers have; the bits of a number, and back. */
+static inline double smg_word_number(uint32_t k) { return (double)(int32_t)(k ^ 0x80000000u) + 2147483648.0; }
+static inline uint64_t smg_bits_of_number(double x) {
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof x);
+  return bits;
+}
+static inline double smg_number_of_bits(uint64_t bits) {
+  double x;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
 /* -2 ln((k + 1/2)/2^32). With u = m/2^e, m from sqrt(1/2) to sqrt(2), and f = (m - 1)/(m + 1),
  * ln u = 2 (f + f^3/3 + f^5/5 + ..) - e ln 2. */
 static inline double smg_minus_two_log(uint32_t k) {
-  double m = ((double)k + 0.5) / 4294967296.0, e = 0;
-  for (; m < 0.70710678118654752; e += 1) m *= 2;
+  const double u = (smg_word_number(k) + 0.5) / 4294967296.0;
+  const uint64_t root = 0x3FE6A09E667F3BCDu;                                /* the bits of sqrt(1/2) */
+  const uint64_t part = smg_bits_of_number(u) - root + 0x3FF0000000000000u; /* its exponent is that of u/sqrt(1/2) */
+  const double e = 1023 - (int32_t)(part >> 52), m = smg_number_of_bits((part & 0xFFFFFFFFFFFFFu) + root);
   const double f = (m - 1) / (m + 1), y = f * f;
   const double series =
       1 + y * (1.0 / 3 +
@@ -72,12 +90,13 @@ static inline double smg_sine_ratio(double y) {
 
 /* (a, b) = r (cos, sin)(2 pi k/2^32): the angle is a whole number of quarters and at most an eighth of a turn more. */
 static inline void smg_polar(double r, uint32_t k, double *a, double *b) {
-  const int64_t quarters = ((int64_t)k + 536870912) / 1073741824;                        /* 2^29, 2^30 */
-  const double x = (double)((int64_t)k - quarters * 1073741824) * 1.4629180792671596e-9; /* 2 pi/2^32 */
-  const double c = r * (1 - smg_one_minus_cos(x * x)), s = r * (x * smg_sine_ratio(x * x));
-  const double p = quarters % 2 ? s : c, q = quarters % 2 ? c : s;
-  *a = quarters % 4 == 1 || quarters % 4 == 2 ? -p : p;
-  *b = quarters % 4 >= 2 ? -q : q;
+  const uint32_t quarters = ((k >> 29) + 1) / 2;
+  const double x = (int32_t)(k - (quarters << 30)) * 1.4629180792671596e-9; /* 2 pi/2^32 */
+  const uint64_t c = smg_bits_of_number(r * (1 - smg_one_minus_cos(x * x))),
+                 s = smg_bits_of_number(r * (x * smg_sine_ratio(x * x))),
+                 swapped = (c ^ s) & (0 - (uint64_t)(quarters & 1));
+  *a = smg_number_of_bits(c ^ swapped ^ (uint64_t)((quarters + 1) & 2) << 62);
+  *b = smg_number_of_bits(s ^ swapped ^ (uint64_t)(quarters & 2) << 62);
 }
 
 /* Three independent normal numbers, of mean 0 and variance 1. */

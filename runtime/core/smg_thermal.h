@@ -30,9 +30,12 @@ static smg_status smg_thermal_step(smg_state *s) {
   return s->count < SMG_THERMAL_STEPS ? smg_step(s) : (s->report.status = SMG_BAD_PARAMETER);
 }
 #else
+/* Sites whose noise is drawn together. */
+#define SMG_HEATED 64
+
 /* w turned about theta by |theta|. The quaternion (q, p theta) of the angle |theta|/8, which needs no root, is squared
  * three times; the product with w is divided by its length, so that |w| stays whatever q and p are rounded to. */
-static inline void smg_turn_about(const double *theta, smg_real *w) {
+SMG_INLINE void smg_turn_about(const double *theta, smg_real *w) {
   const double y = (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]) / 256;
   double less = smg_one_minus_cos(y), p = smg_sine_ratio(y) / 16; /* less = 1 - q */
   for (int k = 0; k < 3; ++k) {
@@ -45,23 +48,57 @@ static inline void smg_turn_about(const double *theta, smg_real *w) {
   smg_axpy(w, 1, u, 3);
 }
 
-/* The noise of one half of a step at site k. */
-static void smg_heat_site(smg_state *s, int64_t k, int64_t step, int half) {
-  const double x = (double)smg_min(SMG_MOST_TURNS - (smg_real)0.5, smg_diffusion(&s->c, k) * (smg_real)(s->h / 2)),
-               turns = floor(x) + 1, part = x / turns, deviation = sqrt(2 * (part - part * part / 6));
-  for (int j = 0; x > 0 && j < turns; ++j) {
-    double theta[3];
-    smg_three_normals(smg_philox_of(smg_counter(step, k, SMG_USE_NOISE + 2 * j + half, s->member), s->seed), theta);
-    for (int b = 0; b < 3; ++b) theta[b] *= deviation;
-    smg_turn_about(theta, s->w + 3 * k);
+/* Sites whose noise is found together: the turns of each, 0 where it is cold, the deviation of their components, and
+ * the most turns of a site. */
+typedef struct smg_heat_block {
+  int64_t first;
+  int sites, most;
+  double turns[SMG_HEATED], deviation[SMG_HEATED], theta[3][SMG_HEATED];
+} smg_heat_block;
+
+static inline void smg_begin_heat(const smg_state *s, smg_heat_block *b) {
+  b->most = 0;
+  for (int i = 0; i < b->sites; ++i) {
+    const smg_real D = smg_diffusion(&s->c, b->first + i);
+    const double x = (double)smg_max(0, smg_min(SMG_MOST_TURNS - (smg_real)0.5, D * (smg_real)(s->h / 2))),
+                 part = x / (floor(x) + 1);
+    const int turns = x > 0 ? (int)x + 1 : 0;
+    b->deviation[i] = sqrt(2 * (part - part * part / 6));
+    b->turns[i] = turns;
+    b->most = turns > b->most ? turns : b->most;
   }
 }
 
-/* The part of all sites that one of several threads has. */
+/* The vectors of a turn, 0 at sites that have no more. */
+static inline void smg_draw_heat(const smg_state *s, int64_t step, int turn, int half, smg_heat_block *b) {
+  for (int i = 0; i < b->sites; ++i) {
+    const double deviation = turn < b->turns[i] ? b->deviation[i] : 0;
+    double x[3];
+    smg_three_normals(
+        smg_philox_of(smg_counter(step, b->first + i, SMG_USE_NOISE + 2 * turn + half, s->member), s->seed), x);
+    for (int k = 0; k < 3; ++k) b->theta[k][i] = deviation * x[k];
+  }
+}
+
+static inline void smg_apply_heat(const smg_heat_block *b, smg_real *w) {
+  for (int i = 0; i < b->sites; ++i, w += 3) {
+    const double theta[3] = {b->theta[0][i], b->theta[1][i], b->theta[2][i]};
+    smg_turn_about(theta, w);
+  }
+}
+
+/* The part of all sites that one of several threads has: the noise of one half of a step. */
 static void smg_heat_share(smg_state *s, int64_t step, int half, int thread, int threads) {
-  const int64_t from = smg_own_from(&s->c), all = smg_own_to(&s->c) - from;
-  for (int64_t k = from + all * thread / threads; k < from + all * (thread + 1) / threads; ++k)
-    smg_heat_site(s, k, step, half);
+  const int64_t from = smg_own_from(&s->c), all = smg_own_to(&s->c) - from, end = from + all * (thread + 1) / threads;
+  smg_heat_block b;
+  for (b.first = from + all * thread / threads; b.first < end; b.first += b.sites) {
+    b.sites = (int)(end - b.first < SMG_HEATED ? end - b.first : SMG_HEATED);
+    smg_begin_heat(s, &b);
+    for (int turn = 0; turn < b.most; ++turn) {
+      smg_draw_heat(s, step, turn, half, &b);
+      smg_apply_heat(&b, s->w + 3 * b.first);
+    }
+  }
 }
 
 /* Does noise turn any site? Where kT is 0 a step is that without noise. */

@@ -27,7 +27,7 @@ CHECKS = {"ensemble": members, "run": along, "step": one_step, "by rows": contra
           "iterations": effort, "restore": restore, "whole space": whole_space, "threads": shared, "wavefronts": shared, "ranks": shared}
 LAYOUTS = ("threads", "wavefronts", "ranks")
 USUAL = ("increments in the last lane", "a sign after a restore", "a save without compensation", "a weight of degree 3 of a single sphere", "after t = 9.9",
-         "the bound of rows", "the tolerance of rows")      # as others, but for their time
+         "the bound of rows", "the tolerance of rows", "the second thread")      # as others, but for their time
 
 
 @pytest.fixture(autouse=True)

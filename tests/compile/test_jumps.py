@@ -68,6 +68,34 @@ def test_energies_fields_strengths_observables_and_starts_for_every_n():
         assert one.values()[one.columns.index("rows")] == np.sum(i // n), n
 
 
+FACTORS = """
+[model]
+name = "factors"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 1000
+[effects.field]
+over = "site(i) of w"
+energy = "0.1*mod(i, 3)*w[i].z + 0.7*mod(t, 0.3)*w[i].x"
+[effects.absorber]
+over = "site(i) of w"
+damping = "0.1*mod(i, 3)"
+[starts.a]
+random = 1
+"""
+
+
+@pytest.mark.quick
+def test_a_factor_of_a_remainder_brings_no_rounding_of_large_terms():
+    """0.1 i - 0.3 floor(i/3) is below 0 at i = 9: no damping."""
+    m, t = smidgen.build(smidgen.load_text(FACTORS)).start(h=0.1), 2e6
+    field, rest = m.field(t=t), t - 0.3 * np.floor(t / 0.3)
+    assert np.array_equal(field[:, 2], 0.1 * (np.arange(1000) % 3))
+    assert np.array_equal(field[:, 0], np.full(1000, 0.7 * rest))
+    assert m.steps(2).t == 0.2
+
+
 @pytest.mark.parametrize("method, sites, more, how", [
     ("spherical-midpoint", 400, "", {}), ("spherical-midpoint", 400, BONDS.format(400), {}), ("spherical-midpoint", 400, "", dict(features=["extended"])),
     ("spherical-midpoint", 1, "", dict(features=["extended"])), ("spherical-midpoint", 1, "", {}), ("gauss-4", 400, "", {}),

@@ -86,7 +86,7 @@ class Ways:
             files = dict(made)
             files[f"{name}.c"] = HEAD + files[f"{name}.c"] + SEEN
             files[f"{name}_abi.c"] += CALLED.format(name)
-            return files, made.notes
+            return files, {**made.notes, "units": 1}        # what SEEN defines stands once
         built = build_library(one.scene, one.method, one.solver, "double", case.settings.native, case.features, seen, threads=True, defines=FLAGS)
         self.one = Integrator(one.prepared, built, 1)
 

@@ -15,7 +15,7 @@ import sympy as sp
 from ..derive.derivatives import absolute, floor_, greater, is_real, lesser, signum
 from ..derive.parts import is_large, is_short
 from ..derive.pieces import chosen
-from ..derive.written import minus, negative, over, plus
+from ..derive.written import Operation, minus, negative, over, plus
 from ..derive.written import times as written_times
 from ..lower.lowering import CLOCK
 
@@ -62,6 +62,8 @@ def extent(low, e, ends=NO_ENDS) -> tuple:
         return e, e
     if e in ends:
         return ends[e]
+    if isinstance(e, Operation):
+        return extent(low, plain(e), ends)
     rule = next((rule for kind, rule in RULES if isinstance(e, kind)), None)
     if rule is None:
         return ALL

@@ -54,7 +54,7 @@ def named(leaf) -> str:
 
 
 def taken(read: dict, name: str, arguments, statement) -> Function:
-    return Function("void", name, arguments, tuple(statement(member, real_of(leaf)) for member, leaf in read.items()), wanted=True)
+    return Function("void", name, arguments, tuple(statement(member, real_of(leaf)) for member, leaf in read.items()), wanted=True, inlined="lanes")
 
 
 def fill(member: str, value: Real) -> Call:

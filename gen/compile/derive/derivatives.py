@@ -206,7 +206,10 @@ class Algebra:
         return self.leaf(leaf_name(e), e)
 
     def operation(self, e: Op):
-        """Jumps look at what is written, kinks at both."""
+        """Jumps look at what is written, kinks at both. A remainder without vectors is as it is written: a factor, multiplied into
+        x - n floor(x/n), would leave the rounding of large terms, below 0 too."""
+        if e.op == "mod" and not slots_of(e):
+            return self.written.of(e)
         jumps = e.op in JUMPS or e.op == "atan2" and not slots_of(e)
         exact = [self.written.of(a) for a in e.args] if jumps or e.op in KINKS or e.op == "mod" else []
         given = exact if jumps else [self.of(a) for a in e.args]

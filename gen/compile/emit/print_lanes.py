@@ -16,7 +16,7 @@ from ..lower.integers import Whole
 from .formulas import ATOM, ELEMENTARY, PRODUCT, RELATIONS, Formulas, power_of
 from .print_scalar import LINKAGE, Scalar
 
-KERNELS = {**LINKAGE, "usual": "SMG_LANE_KERNEL"}       # by value: unused where there is one lane
+KERNELS = {**LINKAGE, "usual": LINKAGE["lanes"]}        # by value
 _OWN = {derive.lesser: "min", derive.greater: "max", derive.signum: "sign", sp.sign: "sign", sp.Abs: "abs", derive.absolute: "abs"}
 
 

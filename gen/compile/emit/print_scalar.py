@@ -14,7 +14,7 @@ from .formulas import ATOM, PRODUCT, SUM, TEST, Formulas, number
 
 STRENGTH = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "%": PRODUCT, "==": TEST}
 LINE = 110      # columns of a statement that stands beside its head, before it is indented; a function, which is not, may have 120
-LINKAGE = {"usual": "static inline", "always": "SMG_INLINE", "never": "static"}
+LINKAGE = {"usual": "static inline", "always": "SMG_INLINE", "never": "static", "lanes": "SMG_LANE_KERNEL"}
 
 
 def indent(lines, by: int = 1) -> list:

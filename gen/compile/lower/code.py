@@ -329,7 +329,7 @@ class Argument:
 @dataclass(frozen=True)
 class Function(Block):
     """target: the printer that writes it (`gen/compile/emit/targets.py`); wanted: it stays where nothing here mentions it;
-    inlined: `usual`, `always` (and the calls in it), `never`."""
+    inlined: `usual`, `always` (and the calls in it), `never`; `lanes`: nothing calls it where there is one lane."""
     kind: str
     name: str
     arguments: tuple
