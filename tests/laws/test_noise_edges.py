@@ -8,7 +8,7 @@ from smidgen.build.binary import build_library
 from smidgen.compile.select import select
 from smidgen.run.step.integrator import build
 from smidgen.run.step.saved import H, HEAD
-from test_noise import PAIRS, SPIN, spec_of
+from test_noise import CUBE, PAIRS, SPIN, spec_of
 
 SEED_HIGH, SEED_LOW, MEMBER, HALVED = range(HEAD, HEAD + 4)
 WALL = """[effects.wall]
@@ -108,3 +108,11 @@ energy = "if(i == 0, 1, 0)*(1.5*w[i].x^2 + w[i].x*w[i].z + w[i].y)"
         assert one.count == two.count and one.halved == two.halved and np.abs(one.w[0] - two.w[0]).max() < 1e-9
         halved += one.halved
     assert halved > 0
+
+
+@pytest.mark.parametrize("h", [0.05, 0.5])
+def test_stages_by_rows_lie_between_the_same_noise(h):
+    """Where sweeps are known to converge, and beyond; beside steps from site to site."""
+    spec = spec_of(CUBE, 216, space='sphere = "n*n*n"', values="n = 6\nkT = 0.5\nalpha = 0.1")
+    rows, sites = (build(spec, method="spherical-midpoint-4", solver=solver).start("a", h=h, seed=3).steps(2) for solver in ("auto", "plain"))
+    assert np.abs(rows.w - sites.w).max() < 1e-11

@@ -208,7 +208,7 @@ def test_a_composed_tangent_map_that_is_no_number(name):
 BODIES = system("bodies", "w = { r3 = 2 }", ("site(i)", "w[i].x^2/2 + w[i].y^2/3 + 0.2*w[i].z"), ("pair(i, j) of w", "0.4*dot(w[i], w[j]) + 0.1*w[i].x*w[j].y"))
 
 
-@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ()), ("rattle", ()), ("gauss-4", ()),
+@pytest.mark.parametrize("method, features", [("spherical-midpoint", ()), ("spherical-midpoint", ("extended",)), ("geodesic-midpoint", ()), ("rattle", ()), ("gauss-4", ()), ("heun", ()),
                                               ("dop853-projected", ())])
 @pytest.mark.parametrize("site", [0, 1])
 def test_a_body_at_rest_stays_among_others(method, features, site):
@@ -219,6 +219,16 @@ def test_a_body_at_rest_stays_among_others(method, features, site):
     assert not model.w[site].any()
     assert np.linalg.norm(model.w[1 - site]) == pytest.approx(np.linalg.norm(w[1 - site]), rel=1e-15)
     assert np.abs(model.w[1 - site] - w[1 - site]).max() > 0.1
+
+
+def test_an_axis_without_a_term_turns_nothing():
+    """Beside a term of strength 0 about it."""
+    ends = []
+    for more in ("", " + a*w[i].y^2"):
+        spec = smidgen.load_text(f'[model]\nname = "axes"\n[space]\nw = {{ sphere = 2 }}\n[parameters]\na = 0.0\n'
+                                 f'[effects.own]\nover = "site(i)"\nenergy = "w[i].x^2/2 + w[i].z/3{more}"\n')
+        ends.append(smidgen.build(spec, method="axis-splitting").start(generic(2), h=0.1).steps(20).state())
+    assert np.abs(ends[0] - ends[1]).max() < 1e-14 and np.abs(ends[0] - generic(2)).max() > 0.1
 
 
 def test_beside_a_body_at_rest_no_column_is_carried():
@@ -325,10 +335,11 @@ def test_an_error_too_large_to_be_squared(kappa):
     assert np.array_equal(model.state(), before) and model.count == 0
 
 
-def test_a_rotation_too_large_to_be_squared():
+@pytest.mark.parametrize("method", ["isospectral-midpoint", "heun"])
+def test_a_rotation_too_large_to_be_squared(method):
     """tau^2 overflows: the slope is a number, the increment none."""
     spec = system("fields", "w = { sphere = 2 }", ("site(i)", "0.3*w[i].z + 0.1*w[i].x"))
-    model = smidgen.build(spec, method="isospectral-midpoint")
+    model = smidgen.build(spec, method=method)
     assert refused(model.start(generic(2), h=1e200), NOT_FINITE).site == 0
     model.start(generic(2), h=1e100).step()
 
