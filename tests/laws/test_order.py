@@ -118,6 +118,53 @@ def numbered(kappa, coupling):
     return spec_of(5, (f"[parameters]\ng = {{ default = {coupling}, size = 5 }}\n{pairs}",), f", kappa = {kappa}")
 
 
+# Effects of every kind, by rows and from site to site
+
+def on_sites(name, line):
+    return f'[effects.{name}]\nover = "site(i) of w"\n{line}\n'
+
+
+def kinds(r="mod(i, 3)/4", places="square(6, 6, periodic)", site="i"):
+    """r: a number of each site; site: where it stands."""
+    bonds = [f'[effects.{name}]\nover = "bond(i, j) of {over}"\nenergy = "{energy}"\n' for name, over, energy in
+             (("exchange", places, "-0.7*dot(w[i], w[j])"), ("more", places.replace("periodic", "open"), "0.2*cos(t)*dot(w[i], w[j]) - 0.1*dot(w[i], w[j])^2"))]
+    return [*bonds, on_sites("field", f'energy = "-(0.4 + {r})*cos(2*t)*w[i].z"'), on_sites("cubic", 'energy = "0.1*(w[i].x^4 + w[i].y^4)"'), on_sites("bath", f'damping = "0.1 + {r}"\nkT = HEAT'),
+            on_sites("push", f'torque = "(0.1 + {r})*cross(w[i], cross(w[i], vec(0, 1, 0)))"'), on_sites("other", f'torque = "0.2*w[i].z*cross(w[i], vec(1, 0, 0.5))"'),
+            on_sites("edge", f'pinned = "{site} == 3"'), on_sites("holes", f'absent = "{site} == 1"')]
+
+
+def begun(spec, method, w, seed):
+    """The state after a few steps."""
+    return smidgen.build(spec, method=method).start(w.copy(), h=0.05, **seed).steps(5).w.copy()
+
+
+@pytest.mark.parametrize("method, heat", [("spherical-midpoint", "0.2"), *(pytest.param(m, heat, marks=pytest.mark.long) for m, heat in
+                                          (("spherical-midpoint-4", "0"), ("dop853", "0"), ("extrapolation-12", "0"), ("gauss-4", "0"), ("heun", "0.2"), ("spherical-midpoint", "0")))])
+def test_the_order_of_effects_of_every_kind(method, heat):
+    """Dampings, noise, torques and held sites too; noise is that of its site, whichever effect has it."""
+    by_field = METHODS[method].how[:1] == ("explicit",) or method == "gauss-4"       # go by rows with torques in closed form alone
+    effects = [e.replace("HEAT", heat).replace("\nkT = 0\n", "\n") for e in kinds() if not (by_field and "effects.other" in e)]
+    several = [effects, effects[::-1], [*effects[4:], *effects[:4]]]
+    specs = [spec_of(36, e, ', kappa = "1 + mod(i, 2)"') for e in several]
+    ends = [begun(spec, method, random_spins(36), {"seed": 3} if heat != "0" else {}) for spec in specs]
+    for end in ends[1:]:
+        np.testing.assert_allclose(end, ends[0], rtol=0, atol=1e-12 if method == "dop853" else 1e-13)
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", *(pytest.param(m, marks=pytest.mark.long) for m in ("spherical-midpoint-4", "dop853", "extrapolation-12", "heun"))])
+def test_the_order_of_sites_of_every_kind(method):
+    """All pairs, whose numbers, radii, dampings, torques and holes move with their sites."""
+    order, w, r = np.array([3, 0, 4, 1, 2, 5]), random_spins(6), np.array([0.1, 0.25, 0.3, 0.0, 0.2, 0.15])
+
+    def moved(places):
+        pairs = '[effects.all]\nover = "pair(i, j) of w"\nenergy = "-0.3*(1 + r[i]*r[j])*dot(w[i], w[j])"\n'
+        arrays = f"[parameters]\nr = {{ default = {r[places].tolist()}, size = 6 }}\nplace = {{ default = {places.astype(float).tolist()}, size = 6 }}\n"
+        effects = [e.replace("\nkT = HEAT", "") for e in kinds("r[i]", site="place[i]")[2:]]
+        return spec_of(6, (arrays, pairs, *effects), ', radius = "1 + r[i]"')
+    ends = [begun(moved(places), method, w[places] * (1 + r[places])[:, None], {}) for places in (np.arange(6), order)]
+    np.testing.assert_allclose(ends[1], ends[0][order], rtol=0, atol=1e-12 if method == "dop853" else 1e-13)
+
+
 @pytest.mark.quick
 def test_the_rule_of_the_witness_on_every_kind_of_lattice():
     """Its colours, where it has any, keep the ends of all bonds apart; where it has none, a ring fits no multiple of the colours."""
