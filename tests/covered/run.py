@@ -23,11 +23,11 @@ LEAST = 0.99
 RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_at_large_steps|row_(blocks|wave)|rows"
                  r"|rows_(by_site|classical|composed|families|far|growing|held|in_time|torques)|runtime|shown|sparse|units)\.py"
                  r"|/run/test_(checkpoint|ensemble|interface|nearness|parameters|set_state|shared_model|spoilt_states|statuses|tolerance)\.py"
-                 r"|/laws/test_(accepted_steps|damping|held|noise|noise_edges|response)\.py"
+                 r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|response)\.py"
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
                  r"|/method/test_(sublattice_rows|tangent)\.py")
 # Those of which tests that are slow take more.
-SLOW = re.compile(r"test_(compositions|lanes|pair_rows|row_blocks|row_wave|set_state|shared_model|sublattice_rows)\.py")
+SLOW = re.compile(r"test_(bad_steps|compositions|lanes|pair_rows|row_blocks|row_wave|rows|rows_composed|set_state|shared_model|tolerance)\.py")
 DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
 

@@ -451,6 +451,12 @@ def test_what_sweeps_find_is_what_newton_finds(space, sites):
     assert steps > 20
 
 
+def test_sweeps_whose_fields_overflow_end():
+    model = smidgen.build(system("strong_pairs", "w = { sphere = 12 }", ("pair(i, j) of w", "1e150*dot(w[i], w[j])")), solver="rotation")
+    for h in (1e158, 1e300):
+        assert refused(model.start(generic(12), h=h), NOT_FINITE).site >= 0
+
+
 # -- a graph --------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("seed", range(3))
