@@ -227,7 +227,8 @@ def compile_shared(work: Path, sources, compiler, flags, units: int = 1) -> None
     """model.so from `sources` in `work`, whose parts are compiled side by side: two of the model where it has two `units` (smg_step.h). BuildError names the log that is kept."""
     parts = [(source, f"{source}_{unit}.o", (f"-DSMG_UNIT={unit}",) if units > 1 else ()) for source in sources for unit in (range(1, 2 if source.endswith("_abi.c") else 1 + units))]
     with ThreadPoolExecutor(len(parts)) as pool:
-        list(pool.map(lambda part: _compile([*compiler, *flags, *part[2], "-I", ".", *include_flags(), "-c", part[0], "-o", part[1]], work, part[1]), parts))
+        objects = [word for word in (*compiler, *flags) if word != "-shared"]       # of which clang warns where nothing is linked
+        list(pool.map(lambda part: _compile([*objects, *part[2], "-I", ".", *include_flags(), "-c", part[0], "-o", part[1]], work, part[1]), parts))
     _compile([*compiler, *flags, *(made for _, made, _ in parts), "-o", LIBRARY, "-lm"], work, LIBRARY)
     for _, made, _ in parts:
         (work / made).unlink()

@@ -202,10 +202,10 @@ class Passage:
         self.found["layout"] = LAYOUTS[int(told["layout"][0])] + ("" if "lanes" not in told else ", ensemble" + " in lanes" * int(told["lanes"][0] > 1))
 
     def shared_library(self):
-        """The library that Python calls, compiled with every warning an error: the numbers of the program."""
+        """The library that Python calls, compiled with every warning an error, but for functions of the other unit: the numbers of the program."""
         self.stage("library")
         compiler, level = self.shared_by
-        with builds((*STANDARD, level, *STRICT), self.where / "cache", compiler):
+        with builds((*STANDARD, level, *STRICT, "-Wno-unused-function"), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
         prepared = prepare(self.spec, self.settings.method, self.settings.effects, self.settings.parameters, self.settings.solver)

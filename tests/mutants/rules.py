@@ -163,6 +163,8 @@ IN_ROWS = (
     (ROWS, r"run->sites == run->length", r"1"),
     (ROW_STATE, r"s->rows = s->row_bound <= SMG_ROW_BOUND", r"s->rows = 1"),
     (ROW_SLOTS, r"smg_numbered_site\(c, cell, at\.sub\)", r"smg_numbered_site(c, cell, 0)"),
+    (ROWS, r"sub / SMG_HOME_PLACES \* \(smg_sites\(c\) / SMG_PLACES\) \+ cell", r"cell"),
+    ("runtime/lattice/smg_row_field.h", r"k \+= SMG_SITE_VALUES \? 1 : smg_sites\(c\) / SMG_FAMILIES", r"k += smg_sites(c)"),
     (ROW_STATE, r"past \+ j \* n3", r"past"),
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
     (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),
