@@ -37,11 +37,15 @@ SMG_INLINE smg_told smg_told_of(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED
 #define smg_told_number smg_lane_told_number
 #define smg_told_parts smg_lane_told_parts
 #define smg_told_respond smg_lane_told_respond
+#define smg_told_change smg_lane_told_change
+#define smg_told_turn smg_lane_told_turn
 #include "smg_in_lanes.h"
 #include "smg_respond_template.h"
 #include "smg_in_numbers.h"
 #undef smg_told_parts
 #undef smg_told_respond
+#undef smg_told_change
+#undef smg_told_turn
 #undef smg_told_number
 
 #if SMG_LAW_BY_SITE
@@ -60,6 +64,16 @@ SMG_INLINE const smg_lanes *smg_lane_respond(SMG_UNUSED const smg_told *told, SM
   return smg_lane_told_respond(told->r, m, g, room);
 #else
   return g;
+#endif
+}
+
+/* The change of R, y that of g, in `room`. */
+SMG_INLINE const smg_lanes *smg_lane_respond_change(SMG_UNUSED const smg_told *told, SMG_UNUSED const smg_lanes *m,
+                                                    const smg_lanes *y, SMG_UNUSED smg_lanes *room) {
+#if SMG_TOLD
+  return smg_lane_told_change(told->r, m, y, room);
+#else
+  return y;
 #endif
 }
 

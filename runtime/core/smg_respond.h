@@ -51,10 +51,7 @@ SMG_INLINE const smg_real *smg_respond_change(const smg_coefficients *c, int64_t
                                               const smg_real *y, smg_real *room) {
   smg_real r[SMG_RESPONSE_SIZE];
   smg_response(c, k, r);
-  smg_cross(room, m, y);
-  smg_scale(room, r[1], 3);
-  smg_axpy(room, r[0], y, 3);
-  return room;
+  return smg_told_change(r, m, y, room);
 }
 
 /* The same for a row v of a matrix: v.(m x (f y + q m x y)) = x.y, x = f v x m + q (v x m) x m in place of v x m. */
@@ -69,11 +66,9 @@ SMG_INLINE void smg_respond_row(const smg_coefficients *c, int64_t k, const smg_
 /* turned += m x (d x Q), the change of m x R with m in R by d. */
 SMG_INLINE void smg_respond_turn(const smg_coefficients *c, int64_t k, const smg_real *m, const smg_real *g,
                                  const smg_real *d, smg_real *turned) {
-  smg_real F[3], Q[3], x[3], y[3];
-  smg_respond_parts(c, k, g, F, Q);
-  smg_cross(x, d, Q);
-  smg_cross(y, m, x);
-  smg_axpy(turned, 1, y, 3);
+  smg_real r[SMG_RESPONSE_SIZE];
+  smg_response(c, k, r);
+  smg_told_turn(r, m, g, d, turned);
 }
 
 /* (kappa/h) times a bound on a row of the derivative of h X, where the norms of the Hessian in it add up to `norm`: of

@@ -72,6 +72,7 @@ static const int64_t smg_row_classes[SMG_ROW_CLASSES][6] = {{0}};
 #endif
 #if defined(SMG_ROW_SWEEP_H) || defined(SMG_ROW_WAVE_H) || defined(SMG_ROW_STEP_H) || defined(SMG_ROW_BEYOND_H)
 #define SMG_BY_ROWS 1
+#define SMG_TANGENT 1
 #endif
 #if defined(SMG_STAGE_PREDICTOR_H) || defined(SMG_COMPOSITION_H) || defined(SMG_COMPOSED_TANGENT_H)
 #define SMG_COMPOSED 5

@@ -84,11 +84,11 @@ static inline int64_t smg_mpi_unit_of(int64_t layer) {
 }
 
 /* Ranks that have parts: each no shorter than that, and worth its messages; one where sites of a colour feel each
- * other, and where memory could not be divided. */
+ * other, where memory could not be divided, and where the tangent map takes the increments of all sites. */
 static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
   const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, unit = smg_mpi_unit,
                 far = slots / unit / ((smg_mpi_reach(c) + unit - 1) / unit), most = worth < far ? worth : far;
-  return most <= 1 || smg_meet_at_seam(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
+  return most <= 1 || SMG_TANGENT || smg_meet_at_seam(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
 }
 
 /* Who shares the steps of this lattice? */

@@ -51,24 +51,26 @@ static void smg_fill_values(smg_state *s) {
 typedef struct smg_carried {
   const smg_real *from;
   smg_real *to;
-  int64_t pitch, first; /* of the slots; lower ones have none */
+  int64_t pitch, first, end; /* of the slots; lower ones have none, and others are left as they are */
 } smg_carried;
 
 SMG_INLINE void smg_site_to_slot(void *context, int64_t site, int64_t slot) {
   const smg_carried *a = (const smg_carried *)context;
-  for (int k = 0; k < 3 && slot >= a->first; ++k) a->to[k * a->pitch + slot - a->first] = a->from[3 * site + k];
+  for (int k = 0; k < 3 && slot >= a->first && slot < a->end; ++k)
+    a->to[k * a->pitch + slot - a->first] = a->from[3 * site + k];
 }
 SMG_INLINE void smg_slot_to_site(void *context, int64_t site, int64_t slot) {
   const smg_carried *a = (const smg_carried *)context;
-  for (int k = 0; k < 3; ++k) a->to[3 * site + k] = slot >= a->first ? a->from[k * a->pitch + slot - a->first] : 0;
+  for (int k = 0; k < 3 && slot < a->end; ++k)
+    a->to[3 * site + k] = slot >= a->first ? a->from[k * a->pitch + slot - a->first] : 0;
 }
 
 static void smg_to_slots(const smg_state *s, const smg_real *sites, smg_real *slots) {
-  smg_carried all = {sites, slots, smg_pitch(&s->c), 0};
+  smg_carried all = {sites, slots, smg_pitch(&s->c), 0, INT64_MAX};
   smg_each_slot(&s->c, &all, smg_site_to_slot);
 }
 static void smg_to_sites(const smg_state *s, const smg_real *slots, smg_real *sites) {
-  smg_carried all = {slots, sites, smg_pitch(&s->c), 0};
+  smg_carried all = {slots, sites, smg_pitch(&s->c), 0, INT64_MAX};
   smg_each_slot(&s->c, &all, smg_slot_to_site);
 }
 

@@ -22,7 +22,9 @@
 #include "smg_state.h"
 
 /* of that factor */
+#ifndef SMG_ROW_BOUND
 #define SMG_ROW_BOUND (smg_real)0.9
+#endif
 /* of the factor of the sweeps that have found a solution, at that solution (smg_row_beyond.h) */
 #define SMG_ROW_SHOWN (smg_real)0.95
 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
@@ -35,7 +37,8 @@
 #if SMG_COMPOSED
 #define SMG_ROW_HISTORY SMG_HISTORY
 #define SMG_ROW_SPARE (SMG_COMPOSED < SMG_HISTORY ? SMG_COMPOSED : SMG_HISTORY)
-#define SMG_ROW_HELD(size) (2 * (size) + SMG_WIDEST) /* w before the step, and what the predictor has missed */
+/* w before the step, what the predictor has missed, and the increments of all stages for the tangent map */
+#define SMG_ROW_HELD(size) ((2 + SMG_COMPOSED * SMG_TANGENT) * (size) + SMG_WIDEST)
 #else
 #define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4)
 #define SMG_ROW_SPARE 0
@@ -96,11 +99,7 @@ static inline void smg_choose_rows(smg_state *s) {
   smg_set_time_at(&s->c, s, s->count > 0 ? (smg_real)-0.5 : (smg_real)0.5);
 #endif
   smg_weigh_rows(s);
-#if SMG_TANGENT
-  s->rows = 0; /* its matrix stands in the other arrays */
-#else
   s->rows = s->row_bound <= SMG_ROW_BOUND;
-#endif
   s->row_from = s->row_reach = s->row_due = 0;
 #if SMG_COMPOSED
   for (s->stage = SMG_COMPOSED; s->stage > 0;) {
@@ -149,6 +148,9 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     for (int j = 0; j < SMG_ROW_SPARE; ++j) s->spare[j] = smg_place_slots(&next, late);
     s->row_w_before = smg_place_slots(&next, size);
     s->row_compensation_before = smg_place_slots(&next, size);
+#if SMG_TANGENT
+    for (int i = 0; i < SMG_COMPOSED; ++i) s->row_increments[i] = smg_place_slots(&next, size);
+#endif
     s->misses = next;
 #endif
   }
@@ -201,16 +203,32 @@ static inline void smg_make_tables(smg_state *s) {
 #endif
 }
 
-/* What a saved state has; of the increments those of the first colour are 0. */
+#if SMG_TANGENT
+/* The increments of the step just taken, of all slots. */
+static void smg_newest_increments(const smg_state *s, smg_real *u) {
+  const int64_t first = smg_colour_slots(&s->c), pitch = smg_pitch(&s->c);
+  for (int k = 0; k < 3; ++k) {
+    smg_copy(u + k * pitch, s->row_u + k * SMG_FIRST_PITCH(&s->c), first);
+    smg_copy(u + k * pitch + first, s->past[0] + k * SMG_LATE_PITCH(&s->c), smg_slots(&s->c) - first);
+  }
+}
+#endif
+
+/* What a saved state has; of the increments those of the first colour are 0, but for the newest ones where the tangent
+ * map takes them. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c), to = 3 * smg_own_to(&s->c);
   smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));
   smg_to_sites(s, s->row_compensation, lost);
   for (int j = 0; j < SMG_HISTORY; ++j) smg_zero(past + j * n3 + from, to - from);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
-    smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
+    smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c), INT64_MAX};
     smg_each_slot(&s->c, &late, smg_slot_to_site);
   }
+#if SMG_TANGENT
+  smg_carried early = {s->row_u, past, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
+  smg_each_slot(&s->c, &early, smg_slot_to_site);
+#endif
 }
 
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {
@@ -218,9 +236,14 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
   if (s->degree >= s->history) s->degree = s->history - 1;
   smg_to_slots(s, lost, s->row_compensation);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
-    smg_carried late = {past + 3 * smg_sites(&s->c) * j, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c)};
+    smg_carried late = {past + 3 * smg_sites(&s->c) * j, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c),
+                        INT64_MAX};
     smg_each_slot(&s->c, &late, smg_site_to_slot);
   }
+#if SMG_TANGENT
+  smg_carried early = {past, s->row_u, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
+  smg_each_slot(&s->c, &early, smg_site_to_slot);
+#endif
 }
 
 #endif

@@ -254,13 +254,16 @@ typedef struct smg_lane_order {
 
 /* Some slots of a run of rows, those from <= j < to: the slot where j = 0; the place of all, and how many sites each
  * row has; slots of a row; what stands beside all of them; of short rows, the places of slots in their rows; numbers of
- * sites; beside, order: of a run of blocks. */
+ * sites; where changes begin, for the tangent map; beside, order: of a run of blocks. */
 typedef struct smg_run {
   int64_t start, sub, sites, length, from, to;
   const smg_beside *b;
   const smg_real *place;
 #if SMG_SITE_VALUES
   const smg_real *values;
+#endif
+#if SMG_TANGENT
+  const smg_real *points;
 #endif
   const smg_slot_beside *beside;
   const smg_lane_order *order;
@@ -424,6 +427,9 @@ typedef struct smg_besides {
   smg_lattice_row first[SMG_COLOURS];
 #if SMG_SITE_VALUES
   const smg_real *values; /* of sites, by slots */
+#endif
+#if SMG_TANGENT
+  const smg_real *points; /* where changes begin, by slots */
 #endif
   const smg_slot_beside *beside; /* of blocks; else NULL */
   smg_lane_order order[SMG_WIDEST];

@@ -68,6 +68,7 @@ class Scene:
     odd: int = 0
     method: str = MIDPOINT
     features: tuple = ()
+    pushed: int = 0
     start: str = RANDOM
     beside: str = "exchange alone"
 
@@ -135,7 +136,8 @@ SCENES = (
     Scene("DOP853", method="dop853"),
     Scene("extrapolation of order 12", method="extrapolation-12"),
     Scene("classical midpoint", method="classical-midpoint"),
-    Scene("tangent map", features=("tangent",)),
+    Scene("tangent map, steps alone", features=("tangent",)),
+    Scene("tangent map of one vector", features=("tangent",), pushed=1),
     Scene("composition of order 4", method="spherical-midpoint-4"),
     Scene(TURNING, method="sublattice-rotations"),
     Scene("sublattice rotations, field that depends on time", (site("-0.5*cos(t)*w[i].z"),), method="sublattice-rotations", beside=TURNING),
@@ -147,14 +149,14 @@ def spec_of(scene: Scene):
 
 
 def operations(scene: Scene) -> float:
-    """Of the gradients of all effects, a site: those of damping and torques too."""
+    """Of the gradients of all effects, a site: those of damping and torques too. A vector that is carried along takes those of another gradient, of its change."""
     spec = spec_of(scene)
     numbers = prepare(spec, scene.method, None, {}, "auto").numbers
-    return sum(counts(effect, numbers, set())[0] for effect in spec.effects)
+    return sum(counts(effect, numbers, set())[0] for effect in spec.effects) * (1 + scene.pushed)
 
 
 def kernel_of(scene: Scene) -> Kernel:
-    return Kernel(scene.name, scene.method, H, steps=STEPS, text=scene.text(), features=scene.features)
+    return Kernel(scene.name, scene.method, H, steps=STEPS, text=scene.text(), features=scene.features, pushed=scene.pushed)
 
 
 def row(scene: Scene) -> dict:

@@ -1,5 +1,6 @@
 /* A model's steps, for callgrind: argv: steps, h, tolerance, members, file of the starts (doubles, member after member).
- * Compiled with MODEL, its name, SOURCE, its C file, and LANES: as an ensemble, or states one by one. */
+ * Compiled with MODEL, its name, SOURCE, its C file, LANES: as an ensemble, or states one by one, and PUSHED, how many
+ * vectors the tangent map carries along. */
 #include SOURCE
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,12 +26,29 @@ static int steps_of(const F(_model) * model, const double *w, double h, double t
   return F(_ensemble_steps)(&e, 0, members, steps) != 0;
 }
 #else
+#if PUSHED
+/* The vectors, of numbers between -1 and 1, through each step. */
+static int advance(F(_state) * s, const F(_model) * model, int64_t steps) {
+  const int64_t size = 3 * F(_sites)(model) * PUSHED;
+  double *v = malloc((size_t)size * sizeof *v);
+  void *mem = malloc(F(_tangent_memsize)(model));
+  for (int64_t k = 0; k < size; ++k) v[k] = (double)(k * 7919 % 2001) / 1000 - 1;
+  for (int64_t k = 0; k < steps; ++k)
+    if (F(_step)(s) != SMG_OK || F(_tangent)(s, v, PUSHED, mem) != SMG_OK) return 1;
+  free(v);
+  free(mem);
+  return 0;
+}
+#else
+static int advance(F(_state) * s, const F(_model) * model, int64_t steps) { return (void)model, F(_steps)(s, steps) != SMG_OK; }
+#endif
+
 static int steps_of(const F(_model) * model, const double *w, double h, double tolerance, int64_t members, int64_t steps) {
   for (int64_t k = 0; k < members; ++k) {
     F(_state) s;
     void *mem = aligned_alloc(64, (F(_memsize)(model) / 64 + 1) * 64);
     if (F(_init)(&s, model, mem, w + 3 * F(_sites)(model) * k, 0, h) != SMG_OK || F(_set_tolerance)(&s, tolerance) != SMG_OK) return 2;
-    if (F(_steps)(&s, steps) != SMG_OK) return 1;
+    if (advance(&s, model, steps)) return 1;
     free(mem);
   }
   return 0;

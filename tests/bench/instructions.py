@@ -47,11 +47,13 @@ damping = "0.1"
 """
 WARM = DAMPED + 'kT = "0.3"\n'
 MIDPOINT = "spherical-midpoint"
+BY_SITES = ("-DSMG_ROW_BOUND=0",)       # no h is small enough for a state by rows
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """One row: spec is a file's name or has its text in `text`; values and start are its defaults and its first where nothing is said."""
+    """One row: spec is a file's name or has its text in `text`; values and start are its defaults and its first where nothing is said; pushed: vectors that the tangent map carries along;
+    flags: more of the compiler."""
     spec: str
     method: str = MIDPOINT
     h: float = 0.1
@@ -64,6 +66,8 @@ class Kernel:
     solver: str = "auto"
     features: tuple = ()
     members: int = 1
+    pushed: int = 0
+    flags: tuple = ()
 
     @property
     def key(self) -> tuple:
@@ -87,7 +91,7 @@ def lattices() -> list:
     found = [lattice(*small, h, "rows") for h in (0.0247, 0.15, 0.2)]
     found += [lattice(*one, 0.0247, "rows") for one in (large, flat, wide)] + [lattice(*one, 0.1, "rows") for one in (*rings, ("chain", *CHAIN, 400_000, "smooth"))]
     found += [lattice(*one, 0.0247, "rows to 1e-12", tolerance=1e-12) for one in (small, large)]
-    found += [lattice(*one, 0.0247, "site to site", features=("tangent",)) for one in (small, flat)] + [lattice(*one, 0.1, "site to site", features=("tangent",)) for one in rings]
+    found += [lattice(*one, 0.0247, "site to site", flags=BY_SITES) for one in (small, flat)] + [lattice(*one, 0.1, "site to site", flags=BY_SITES) for one in rings]
     found += [lattice(*one, 0.0247, "rows", method="sublattice-rotations") for one in (small, large, flat)]
     found += [lattice(*one, 0.0247, "rows", method="pair-rotations") for one in (small, large)]
     found += [lattice(*small, 0.1, "rows", method=method) for method in ("gauss-4", "gauss-8", "spherical-midpoint-4", "sublattice-rotations-4")]
@@ -140,7 +144,7 @@ def compiled(kernel: Kernel, spec, place: Path, more=()) -> Path:
     for file, text in generate(spec, kernel.method, kernel.solver, features=kernel.features).items():
         (place / file).write_text(text)
     np.asarray(starts_of(kernel, spec), float).tofile(place / "starts")
-    own = (f"-DMODEL={spec.name}", f'-DSOURCE="{place}/{spec.name}.c"', f"-DLANES={int('ensemble' in kernel.features)}")
+    own = (f"-DMODEL={spec.name}", f'-DSOURCE="{place}/{spec.name}.c"', f"-DLANES={int('ensemble' in kernel.features)}", f"-DPUSHED={kernel.pushed}", *kernel.flags)
     subprocess.run([*find_compiler(), *FLAGS, *more, "-I", place, *include_flags(), *own, HERE / "instructions.c", "-lm", "-o", place / "steps"], check=True)
     return place / "steps"
 

@@ -3,7 +3,7 @@
     python tests/bench/lattices.py [--out docs/lattices.csv] [--repeats 60]
 
 Four builds of each spec take turns: portable, for this processor (the same bits), with products and sums in one operation as well (--fast, other bits),
-and with the tangent map, whose steps go from site to site. Turns are of ten steps or more. Of many short turns the shortest counts: on a machine with other work the median tells of that.
+and with the feature `extended`, whose steps go from site to site. Turns are of ten steps or more. Of many short turns the shortest counts: on a machine with other work the median tells of that.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SYSTEMS = [("cubic", *CUBIC, 20, "random", 0.0247, 0), ("cubic", *CUBIC, 20, "ra
            ("square", "square(n, n, periodic)", "n*n", 1000, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 0), ("cubic", *CUBIC, 100, "random", 0.0247, 1e-12),
            ("chain", *CHAIN, 100, "smooth", 0.1, 0), ("chain", *CHAIN, 100, "random", 0.1, 0),
            ("chain", *CHAIN, 1_000_000, "smooth", 0.1, 0)]
-BUILDS = {"portable": dict(native=False), "native": dict(native=True), "fast": dict(fast=True), "site by site": dict(features=("tangent",))}
+BUILDS = {"portable": dict(native=False), "native": dict(native=True), "fast": dict(fast=True), "site by site": dict(features=("extended",))}
 COLUMNS = ["system", "spins", "start", "h", "tolerance", "sweeps", *(f"{name}, ns" for name in BUILDS), "site by site / portable", "site by site / native"]
 
 

@@ -44,7 +44,7 @@ Times are in nanoseconds per spin and step.
 - `portable` is compiled for any processor of this architecture, with two lanes.
 - `native` is compiled for this processor (`-march=native`), as `smidgen.build` does, and gives the same bits.
 - `fast` also uses fused multiply-add operations (`--fast`), and gives different bits.
-- `site by site` is the time for models that cannot be stepped [by rows](lattices.md#processing-lattices-by-rows); here it is measured on the same model, compiled with its tangent map, which rules out rows.
+- `site by site` is the time for models that cannot be stepped [by rows](lattices.md#processing-lattices-by-rows); here it is measured on a build of the same model whose steps do not go by rows.
 - `sweeps` is the number of sweeps in the last step, after which there is one more evaluation.
 
 All variants are timed alternately. A call takes at least ten steps. If every step is an output, w is converted to rows and back each time, which takes about 10 ns per spin.

@@ -10,6 +10,7 @@ import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.language import draws
+from support.by_sites import by_sites
 from support.strict import MODES, compile_all
 from test_rows_in_time import by_rows
 
@@ -108,11 +109,11 @@ def test_steps_are_those_of_the_witness(tmp_path, place, method):
 
 @pytest.mark.parametrize("place", ["open", "honeycomb", "honeycomb on a ring"])
 def test_rows_serve(tmp_path, place):
-    """By rows as from site to site, where the tangent map is asked for."""
+    """By rows as from site to site."""
     spec, J, ends = spec_of(tmp_path, place, "J[b]*dot(w[i], w[j]) + uniform(seed, b)*w[i].x*w[j].y"), numbers(place), []
     assert by_rows(spec)
-    for features in ((), ("tangent",)):
-        ends.append(smidgen.build(spec, features=features, parameters={"J": J}).start("random", h=0.05).steps(12).w.copy())
+    for build in (smidgen.build, by_sites):
+        ends.append(build(spec, parameters={"J": J}).start("random", h=0.05).steps(12).w.copy())
     assert np.abs(ends[0] - ends[1]).max() <= 1e-13
 
 

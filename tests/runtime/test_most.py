@@ -170,13 +170,13 @@ int main(void) {{
 """
 
 
-@pytest.mark.parametrize("name, sizes, method", [
-    ("cubic_lattice", {"nx": 5, "ny": 4, "nz": 3}, "spherical-midpoint"), ("cubic_lattice", {"nx": 70, "ny": 4, "nz": 2}, "sublattice-rotations"),
-    ("heisenberg_chain", {"n": 150}, "gauss-4"), ("honeycomb", {"nx": 6, "ny": 4}, "pair-rotations"), ("j1j2_chain", {"n": 36}, "spherical-midpoint-4")])
-def test_the_memory_of_rows_is_that_of_memsize(name, sizes, method, tmp_path):
+@pytest.mark.parametrize("name, sizes, method, features", [
+    ("cubic_lattice", {"nx": 5, "ny": 4, "nz": 3}, "spherical-midpoint", ()), ("cubic_lattice", {"nx": 70, "ny": 4, "nz": 2}, "sublattice-rotations", ()),
+    ("heisenberg_chain", {"n": 150}, "gauss-4", ()), ("honeycomb", {"nx": 6, "ny": 4}, "pair-rotations", ()), ("j1j2_chain", {"n": 36}, "spherical-midpoint-4", ("tangent",))])
+def test_the_memory_of_rows_is_that_of_memsize(name, sizes, method, features, tmp_path):
     """Compiled for any processor; blocks have their table whether there are blocks or not."""
     scene = select(smidgen.load(name), None, sizes)
-    files = generate(scene, method)
+    files = generate(scene, method, features=features)
     for file, text in {**files, "main.c": ASKED.format(name=name)}.items():
         (tmp_path / file).write_text(text)
     subprocess.run(["gcc", "-std=gnu11", "-w", "-O0", *include_flags(), str(tmp_path / "main.c"), str(tmp_path / f"{name}.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)

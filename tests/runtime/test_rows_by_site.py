@@ -6,6 +6,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
+from support.by_sites import by_sites
 from support.going_on import one_by_one, restored
 from support.strict import COMPILERS, MODES, compile_all
 from support.widths import same_by_clang, same_in_lanes
@@ -59,13 +60,13 @@ def test_rows_solve_the_step(place, kind):
 
 @pytest.mark.parametrize("seed", [pytest.param(s, marks=() if s < 2 else pytest.mark.long) for s in range(16)])
 def test_states_are_those_from_site_to_site(seed):
-    """Of drawn lattices and effects; a build with the tangent map goes from site to site."""
+    """Of drawn lattices and effects."""
     dice = np.random.default_rng(seed)
     place, kinds = dice.choice(list(PLACES)), dice.choice(list(KINDS), 2, replace=False)
     spec, ends = drawn(place, *(KINDS[k] for k in kinds), *([WAVE_TEXT] if seed % 3 == 0 else []), seed=seed), []
     assert by_rows(spec)
-    for features in ((), ("tangent",)):
-        model = smidgen.build(spec, features=features).start("random", h=0.07, t0=0.2)
+    for build in (smidgen.build, by_sites):
+        model = build(spec).start("random", h=0.07, t0=0.2)
         ends.append(model.steps(12).w.copy())
     assert np.abs(ends[0] - ends[1]).max() <= 1e-13
 

@@ -4,6 +4,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
+from support.by_sites import by_sites
 from support.going_on import one_by_one, restored
 from support.strict import COMPILERS
 from support.widths import same_by_clang, same_in_lanes
@@ -41,10 +42,10 @@ def test_rows_solve_the_step(place, kind):
 
 @pytest.mark.parametrize("place", ["odd square", pytest.param("honeycomb", marks=pytest.mark.long), pytest.param("odd cubic", marks=pytest.mark.long)])
 def test_states_are_those_from_site_to_site(place):
-    """A build with the tangent map goes from site to site."""
+    """Where no h is small enough for rows, Newton proves the steps site by site."""
     spec, ends = held(place, "both"), []
-    for features in ((), ("tangent",)):
-        ends.append(smidgen.build(spec, features=features).start("random", h=0.07, t0=0.2).steps(12).w.copy())
+    for build in (smidgen.build, by_sites):
+        ends.append(build(spec).start("random", h=0.07, t0=0.2).steps(12).w.copy())
     assert np.abs(ends[0] - ends[1]).max() <= 1e-13
 
 
@@ -107,11 +108,6 @@ def test_what_prevents_it_is_said(what, said):
     notes = generate(spec).notes
     assert not by_rows(spec) and notes["reason"].endswith(f"; site by site, because {said}")
     assert any(line.endswith(f"because {said}.") for line in smidgen.explain(spec).words())
-
-
-def test_the_tangent_map_prevents_it():
-    reason = generate(SOME, features=("tangent",)).notes["reason"]
-    assert reason.endswith("; site by site, because the tangent map takes the matrix of Newton") and "by rows" not in reason
 
 
 def test_where_nothing_prevents_it_nothing_is_said():

@@ -13,7 +13,7 @@ STUBS = ("smg_stub_model.h", "smg_stub_functions.h", "smg_stub_template.h", "smg
 ASIDE = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
 MACRO = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 FUNCTION = re.compile(r"(\w+)\s*\([^;{}@]*\)\s*@")
-RENAMED = re.compile(r"^#define smg_(\w+) smg_lane_\1$", re.MULTILINE)      # for a template (runtime/core/smg_template.h): no definition
+RENAMED = re.compile(r"^#define smg_(\w+) smg_(?:lane|changed)_\1$", re.MULTILINE)      # for a template (runtime/core/smg_template.h): no definition
 TYPE = re.compile(r"\btypedef\b[^;]*?(\w+);|\b(?:struct|union|enum)\s+(\w+)\s*@")
 TABLE = re.compile(r"^(?:SMG_\w+ )?static const [\w ]+?(\w+)\[", re.MULTILINE)
 

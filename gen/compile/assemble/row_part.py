@@ -8,6 +8,7 @@ from ..lower.integers import Computed, Index, whole
 from .beside_norms import beside_norms, norm_function
 from .effort import beyond_rows, by_rows
 from .part import MOST_LANES, Part, buffer, placed
+from .row_changes import change_functions, changes_of
 from .rows import Rows, besides, many_kinds, number_of_values, row_functions, row_settings, rows, site_values, slots_of
 
 
@@ -17,13 +18,14 @@ class ByRows(Part):
 
     def made(self, model, low):
         found = rows(model, low)
-        model.why_by_site = found if isinstance(found, str) else "the tangent map takes the matrix of Newton" if "tangent" in model.features else ""
+        model.why_by_site = found if isinstance(found, str) else ""
         if not isinstance(found, Rows):
             return None
+        found = replace(found, changes=changes_of(model, low, found)) if "tangent" in model.features else found
         return replace(found, norms=beside_norms(model, low, found)) if proved_at_solutions(model) else found
 
     def functions(self, model):
-        return [*row_functions(model), *norm_function(model.in_rows)]
+        return [*row_functions(model), *change_functions(model), *norm_function(model.in_rows)]
 
     def headers(self, model):
         return ["smg_rows.h"]
@@ -35,6 +37,7 @@ class ByRows(Part):
         values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
         values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(many_kinds(model))
         values += [("void *row_known", "what stands beside rows, during a call")] * model.method.by_field
+        values += [(f"smg_real *row_increments[{model.composed}]", "increments of all stages of the last step by slots, for the tangent map")] * bool(model.composed and model.in_rows.changes)
         return values + ([] if model.method.takes_fields else row_members(model.method.of_midpoints, model.composed))
 
     def buffers(self, model):
@@ -77,7 +80,7 @@ class ByRows(Part):
             return 0
         around = sum(value(b.size) for part in model.parts for b in part.around(model))
         slots = slots_of(model, value)
-        return around + slots.arrays(model.method.of_midpoints, model.composed) + slots.tables(site_values(model), besides(model), many_kinds(model))
+        return around + slots.arrays(model.method.of_midpoints, model.composed, bool(model.in_rows.changes)) + slots.tables(site_values(model), besides(model), many_kinds(model))
 
     def lanes(self, model):
         return MOST_LANES

@@ -41,7 +41,7 @@ class Rows:
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
     place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii? timely: do bounds hold at the time of a step alone?
-    norms: what beside_norms.py has found.
+    norms: what beside_norms.py has found; changes: what row_changes.py has, for the tangent map.
     """
     over: Lattice
     colours: Colouring
@@ -57,6 +57,7 @@ class Rows:
     radii: bool = False
     norms: object = field(default=None, compare=False)
     timely: bool = False
+    changes: dict = field(default_factory=dict, compare=False)
 
     @property
     def step(self) -> int:
@@ -363,9 +364,14 @@ def terms_of_place(model, sub: int) -> tuple:
 
 def one_term(model, t, k: int, bond, known: list, sub: int) -> list:
     """Of a term that differs from site to site, with its values."""
-    one = model.in_rows.sited.get(t.prefix)
-    one = one.at(sub, k, bond) if isinstance(one, Bonded) else one
+    one = numbers_in(model, t, k, bond, sub)
     return term_of_row(t, k, bond, known) if one is None else [Scope((*taken_values(one), *term_of_row(t, k, bond, known, names(one))))]
+
+
+def numbers_in(model, t, k: int, bond, sub: int):
+    """The `Sited` of a term through a bond, None where it is the same everywhere."""
+    one = model.in_rows.sited.get(t.prefix)
+    return one.at(sub, k, bond) if isinstance(one, Bonded) else one
 
 
 ALL = (Name("all"), Index("pitch"))
@@ -387,6 +393,11 @@ def term_of_row(t, k: int, bond, known: list, values=()) -> list:
     outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
     lines = [line for q, one in found for line in (Variable("smg_lanes", f"v{q}[3]"), Zeros(f"o{q}", 3), taken(one, known.index(one), f"v{q}"))]
     lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs, *map(Name, values))))
+    return where_there(found, known, lines)
+
+
+def where_there(found, known: list, lines) -> list:
+    """The statements of a term, where all that it joins is there."""
     there = tuple(Pointed("run", f"b[{known.index(one)}].there") for _, one in found if any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset) if d))
     return [where(there, (*kept_beyond(found, known, lines),))] if found else lines
 
@@ -398,10 +409,10 @@ def kept_beyond(found, known: list, lines) -> list:
     return [before, *lines, *(Call("smg_only_within", (Name("run"), whole(n), Index("p"), Name("before"), Name("sum"))) for n in ends)] if ends else lines
 
 
-def taken(one: Beside, n: int, v: str) -> Call:
+def taken(one: Beside, n: int, v: str, all=ALL) -> Call:
     """v = the vectors there."""
     around = one.offset[0] != 0 and bool(one.ring & 1)
-    return Call("smg_take_beside", (Name("run"), Name("blocks"), whole(n), whole(int(around)), Index("p"), *ALL, Index("j"), Name(v)))
+    return Call("smg_take_beside", (Name("run"), Name("blocks"), whole(n), whole(int(around)), Index("p"), *all, Index("j"), Name(v)))
 
 
 def member(t, bond, q: int) -> tuple:

@@ -83,12 +83,25 @@ static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle,
   return smg_sphere_step(s);
 }
 #else
+#if SMG_STAGES_KEPT
+/* The increments of this stage, for the tangent map. */
+static inline void smg_keep_stage(smg_state *s) {
+  const int64_t n3 = 3 * smg_sites(&s->c);
+#if SMG_BY_ROWS
+  if (s->rows) {
+    smg_newest_increments(s, s->row_increments[s->stage]);
+    return;
+  }
+#endif
+  smg_copy(s->increments + n3 * s->stage, s->past[0], n3);
+}
+#endif
+
 /* u has joined the history, and the array of the oldest increment is free. Of the first stages it is one that a failure
  * later in this step would need: it is kept, and a spare one takes its place. */
 static inline void smg_stage_done(smg_state *s, smg_real **u) {
 #if SMG_STAGES_KEPT
-  const int64_t n3 = 3 * smg_sites(&s->c);
-  smg_copy(s->increments + n3 * s->stage, s->past[0], n3);
+  smg_keep_stage(s);
 #endif
   if (s->stage < SMG_HISTORY) {
     smg_real *oldest = *u;

@@ -15,6 +15,9 @@
 #endif
 #include "smg_report.h"
 #include "smg_saved.h"
+#if SMG_BY_ROWS
+#include "smg_row_tangent.h"
+#endif
 
 /* Does the leaf of a site move with w? */
 static inline int smg_lifted(const smg_coefficients *c, int64_t k) {
@@ -200,7 +203,11 @@ static size_t smg_step_tangent_memory(SMG_UNUSED const smg_model *model) {
 #if SMG_HAS_COUPLED
   smg_coefficients c;
   c.model = model;
-  return sizeof(smg_real) * (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
+  size_t size = (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
+#if SMG_BY_ROWS
+  if (smg_row_push_size(&c) > size) size = smg_row_push_size(&c);
+#endif
+  return sizeof(smg_real) * size;
 #else
   return 0;
 #endif
@@ -219,11 +226,30 @@ static smg_status smg_leaf_before(smg_state *s, int64_t k) {
 }
 #endif
 
+#if SMG_BY_ROWS
+/* The same of all columns where steps go by rows. */
+static smg_status smg_push_rows(smg_state *s, smg_real h, smg_real *v, int64_t columns, smg_real *mem) {
+  const int64_t size = 3 * smg_sites(&s->c);
+  smg_status status = SMG_OK;
+  smg_besides known;
+  smg_row_push q;
+  smg_begin_push(s, h, &known, mem, &q);
+  for (int64_t j = 0; j < columns && status == SMG_OK; ++j) {
+    status = smg_push_row_column(&q, v + size * j);
+    if (status != SMG_NO_CONVERGENCE) status = smg_finite_column(s, v + size * j);
+  }
+  return status;
+}
+#endif
+
 /* The columns through the step of the size h that has led to s->w by the newest increment, the time of its midpoint in
  * s->c. */
 static smg_status smg_push_step(smg_state *s, smg_real h, smg_real *v, int64_t columns, smg_real *mem) {
   const int64_t sites = smg_sites(&s->c);
   smg_status status = SMG_OK;
+#if SMG_BY_ROWS
+  if (s->rows) return smg_push_rows(s, h, v, columns, mem);
+#endif
 #if SMG_LEAVES
   for (int64_t k = 0; k < sites && status == SMG_OK; ++k) status = smg_leaf_before(s, k);
 #endif
