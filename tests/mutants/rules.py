@@ -145,8 +145,8 @@ WRAP = (
 )
 
 # Lattices by rows in lanes: which sites stand beside a row, where its ends are, what of it is kept, and when steps may go so.
-ROWS, ROW_STATE, ROW_SLOTS, ROW_PIECE, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE, ROW_BLOCKS = (
-    f"runtime/lattice/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_piece", "row_team", "row_sweep", "row_step", "row_end", "row_wave", "row_blocks"))
+ROWS, ROW_STATE, ROW_SLOTS, ROW_RUNS, ROW_TEAM, ROW_SWEEP, ROW_STEP, ROW_END, ROW_WAVE, ROW_BLOCKS = (
+    f"runtime/lattice/smg_{name}.h" for name in ("rows", "row_state", "row_slots", "row_runs", "row_team", "row_sweep", "row_step", "row_end", "row_wave", "row_blocks"))
 BY_ROWS = "gen/compile/assemble/rows.py"
 IN_ROWS = (
     (ROWS, r"s < n - reach \? reach :", r"s < n ? reach :"),
@@ -167,8 +167,8 @@ IN_ROWS = (
     ("runtime/lattice/smg_row_field.h", r"k \+= SMG_SITE_VALUES \? 1 : smg_sites\(c\) / SMG_FAMILIES", r"k += smg_sites(c)"),
     (ROW_STATE, r"past \+ j \* n3", r"past"),
     (ROW_STATE, r"if \(s->history > SMG_ROW_HISTORY\) s->history = SMG_ROW_HISTORY;", r""),
-    (ROW_PIECE, r"piece->at\.start \+ piece->from", r"piece->at.start"),
-    (ROW_PIECE, r"piece->from = part\.from - first - row \* length", r"piece->from = 0"),
+    (ROW_RUNS, r"piece->at\.start \+ piece->from", r"piece->at.start"),
+    (ROW_RUNS, r"piece->from = part\.from - first - row \* length", r"piece->from = 0"),
     (ROW_TEAM, r"smg_meet_at_seam\(c\) \? 1 : ", r""),
     (ROW_SWEEP, r"smg_lane_choose\(v, smg_lane_below\(in\), v, m, 3\);", r";"),
     (ROW_SWEEP, r"sweep->ended = pass\.last \? pass\.colour : -1", r"sweep->ended = pass.colour"),
@@ -187,7 +187,7 @@ IN_ROWS = (
     (ROW_BLOCKS, r"smg_rank\(sub\)", r"0"),
     (ROW_BLOCKS, r"v\.cell\[d\] \+ beside\[k\]\.cell\[d\]", r"v.cell[d] - beside[k].cell[d]"),
     (ROW_BLOCKS, r"smg_slots\(c\) == smg_sites\(c\) && ", r""),
-    (ROW_PIECE, r"smg_place\(piece->at\.colour, .*\);", r"smg_place(piece->at.colour, 0);"),
+    (ROW_RUNS, r"smg_place\(piece->at\.colour, .*\);", r"smg_place(piece->at.colour, 0);"),
     (BY_ROWS, r"return closed and ", r"return "),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
@@ -255,7 +255,9 @@ IN_METHODS = (
     ("runtime/method/midpoint/smg_composition.h", r"s->prepared\[1\] == \(smg_real\)s->h", r"1"),
     ("runtime/method/midpoint/smg_composition.h", r"smg_copy\(s->compensation, s->before \+ n3, n3\);", r";"),
     ("runtime/method/midpoint/smg_composition.h", r"\*s = \*b;", r";"),
-    ("runtime/method/midpoint/smg_composed_tangent.h", r"smg_copy\(s->w, end, n3\);", r";"),
+    ("runtime/lattice/smg_row_tangent.h", r"- ab\[1\] \* dm\[k\]", r"+ ab[1] * dm[k]"),
+    ("runtime/lattice/smg_row_tangent.h", r"go\.weights\[0\] = -1;", r"go.weights[0] = 1;"),
+    ("runtime/method/midpoint/smg_composed_tangent.h", r"smg_copy\(smg_walked\(s\), end, numbers\);", r";"),
     ("runtime/core/smg_outputs.h", r"\*done > 0 \? every : first", r"every"),
     ("runtime/core/smg_outputs.h", r"count - 1, &done", r"count, &done"),
     ("runtime/core/smg_outputs.h", r"rho < \*o->nearest", r"rho > *o->nearest"),
