@@ -12,6 +12,7 @@ from smidgen.build import binary
 from smidgen.errors import UsageError
 from fuzz.differential import read
 from support.random_specs import random_spec
+from test_set_state import LAYOUTS
 
 FUSED = re.compile(r"\bvfn?m(?:add|sub)\w*|\bfn?m(?:add|sub|la|ls)\b")
 TILTED = """
@@ -65,6 +66,18 @@ def test_no_product_is_fused_with_a_sum(monkeypatch, compiler, seed, methods):
     monkeypatch.setenv("CC", compiler)
     models = [model for method in methods if (model := built(spec_of(seed), method))]
     assert models and not set().union(*map(fused, models))
+
+
+@disassembled
+@compilers
+@pytest.mark.long
+@pytest.mark.usefixtures("as_for_users")
+@pytest.mark.parametrize("name", ["composed by rows", "classical by rows", "dop853 by rows", "fixed steps by rows", "extrapolation by rows", "responses by site",
+                                  "torques by rows", "radii by site", "held sites", "held sites of stages", "other formulas", "growing", "several shells"])
+def test_no_way_by_rows_fuses(monkeypatch, compiler, name):
+    monkeypatch.setenv("CC", compiler)
+    spec, method, _ = LAYOUTS[name]
+    assert not fused(smidgen.build(spec, method=method, native=True))
 
 
 @disassembled

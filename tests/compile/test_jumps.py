@@ -119,6 +119,43 @@ def test_members_of_ensembles_take_the_same_side():
         np.testing.assert_allclose(found.w, wanted.w, rtol=1e-13)
 
 
+RESPONDING = """
+[effects.bath]
+over = "site(i) of w"
+damping = "0.1 + {mod}/100000"
+kT = "({mod} + 1)/10000"
+[effects.push]
+over = "site(i) of w"
+torque = "({floor} + 1)/1000*cross(w[i], cross(w[i], vec(0, 0.3, 1)))"
+[effects.edge]
+over = "site(i) of w"
+pinned = "{floor} == 1 and i > 4"
+[effects.holes]
+over = "site(i) of w"
+absent = "{floor} == 2 and i > 4"
+"""
+
+
+@pytest.mark.parametrize("method, bonds", [("spherical-midpoint", False), *(pytest.param(*case, marks=pytest.mark.long) for case in
+                                           (("spherical-midpoint", True), ("spherical-midpoint-4", True), ("heun", False)))])
+def test_dampings_noise_torques_radii_and_held_sites(method, bonds):
+    """From site to site, and by rows."""
+    specs = []
+    for given in (BY_SITE, GIVEN):
+        more = RESPONDING.format(**given) + BONDS.format(SITES) * bonds
+        numbers = "[" + ",\n".join(["0.0"] * SITES) + "]"
+        text = TEXT.format(sites=SITES, rows=numbers, places=numbers, more=more, **given)
+        lines = text.replace(", kappa =", f', radius = "1 + {given["floor"]}/4", kappa =').split("[effects.field]\n")
+        specs.append(smidgen.load_text(lines[0] + '[effects.field]\nover = "site(i) of w"\nenergy = "0.3*w[i].z"\n' + lines[1].split("\n", 2)[2]))
+    written, given = (smidgen.build(spec, method=method) for spec in specs)
+    i = np.arange(SITES)
+    for n in WRONG:
+        one, other = pair(written, given, n, i)
+        one.start("a", h=1e-3, seed=3)
+        other.start(one.w.copy(), h=1e-3, seed=3)
+        np.testing.assert_allclose(one.steps(2).w, other.steps(2).w, rtol=0, atol=1e-13 * (1 + SITES / n), err_msg=str(n))
+
+
 TIMES = """
 [model]
 name = "clocked"
