@@ -103,7 +103,7 @@ static void smg_plan_wave(const smg_state *s, smg_row_wave *wave) {
   for (; sweep.passes < wave->passes; ++sweep.passes) {
     smg_row_pass *pass = wave->pass + sweep.passes;
     *pass = smg_next_pass(s, &sweep);
-    pass->small = pass->small || (pass->way == SMG_FROM_BEFORE && sweep.passes >= SMG_OF_STAGE(s, row_near));
+    pass->small |= pass->way == SMG_FROM_BEFORE && sweep.passes >= SMG_OF_STAGE(s, row_near);
     pass->last = pass->watched && s->row_alone && sweep.passes + 1 == wave->passes && sweep.passes >= SMG_COLOURS;
     wave->motion[sweep.passes] = smg_at_rest();
   }

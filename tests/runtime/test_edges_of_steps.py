@@ -118,6 +118,13 @@ def test_a_singular_step_has_no_tangent_map(spec, solver):
         assert np.array_equal(model.save(), saved)
 
 
+def test_the_report_is_of_the_site_whose_steps_end_first():
+    """Each alone: at the pole J has the eigenvalues 1 +- h (1 + i)/2."""
+    spec = system("steeper", "w = { sphere = 3 }", ("site(i)", "if(i == 1, 2, 1)*(w[i].x^2 - w[i].y^2)/2"))
+    error = refused(smidgen.build(spec).start(np.tile(POLE, (3, 1)), h=5.0), NO_SOLUTION, SINGULAR, NO_CONVERGENCE)
+    assert error.site == 1 and error.reached == pytest.approx(0.2, abs=0.02)
+
+
 def coupled(sites, over, energy, more="", path=""):
     """Spins of which a[i] and ends[i] say which two are coupled, sites 5 and 6, and that the field of site 6 ends before that of others."""
     a, ends = [0] * sites, [9] * sites
@@ -173,6 +180,26 @@ def test_a_ring_has_no_step_of_any_size(h):
     """Where squares of fields overflow, too."""
     error = refused(smidgen.build("heisenberg_chain", parameters={"n": 64}).start(generic(64), h=h), NO_SOLUTION)
     assert error.site >= 0
+
+
+def test_a_ring_by_the_classical_midpoint_goes_from_site_to_site_where_h_is_large():
+    model = smidgen.build("heisenberg_chain", method="classical-midpoint", parameters={"n": 64})
+    refused(model.start(generic(64), h=50.0), NO_CONVERGENCE, NO_SOLUTION)
+    assert np.abs(model.start(generic(64), h=0.9).step().w - generic(64)).max() > 0.1
+
+
+def test_more_threads_than_shares():
+    size = {"nx": 18, "ny": 18, "nz": 18}
+    ends = [smidgen.build("cubic_lattice", parameters=size, threads=threads).start("random", h=0.05).steps(2).save() for threads in (1, 4)]
+    assert np.array_equal(*ends)
+
+
+@pytest.mark.parametrize("h", [0.2, 0.4])
+def test_open_ends_beyond_the_bound_of_rows(h):
+    """Beside steps from site to site."""
+    spec = system("open_box", "w = { sphere = 315 }", ("bond(i, j) of cubic(9, 7, 5, open)", "dot(w[i], w[j]) + 0.5*w[i].x*w[j].x"))
+    rows, sites = (smidgen.build(spec, solver=solver).start(generic(315), h=h).step().w for solver in ("auto", "plain"))
+    assert np.abs(rows - sites).max() < 1e-11
 
 
 @pytest.mark.parametrize("up", [1, -1])
