@@ -27,7 +27,8 @@ RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_a
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
                  r"|/method/test_(sublattice_rows|tangent)\.py")
 # Those of which tests that are slow take more.
-SLOW = re.compile(r"test_(bad_steps|compositions|lanes|pair_rows|row_blocks|row_wave|rows|rows_composed|set_state|shared_model|tolerance)\.py")
+SLOW = re.compile(r"test_(bad_steps|compositions|edges_of_\w+|lanes|noise_edges|pair_rows|parameters|row_blocks|row_wave|rows|rows_composed|set_state"
+                  r"|shared_model|spoilt_states|statuses|tangent|tolerance)\.py")
 DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
 
