@@ -5,60 +5,17 @@
  * At the solution that they find, one spin's own equation rho m - h/2 m x R = w, R = F + m x Q, has in its tangent
  * plane the derivative a I + b [m x]/r with a = rho - h/2 m.Q, b = h/2 m.F/r. So a change of its field moves m by at
  * most 1/s of it, s^2 = a^2 + b^2, and there all spins at once are a contraction by the numerator of smg_row_factor()
- * over the least s, or by less with weights (smg_row_weights.h). Where that is at most SMG_ROW_SHOWN, a > 0, or the
- * derivative of all equations together is coercive (smg_row_mean.h), and sweeps came there straight, the solution is on
- * the branch of W = w at h = 0; else the matrix of Newton decides. */
+ * over the least s, or by less with weights (smg_row_weights.h). Where that is at most SMG_ROW_SHOWN, a > 0, and
+ * sweeps came there straight, the solution is on the branch of W = w at h = 0; else the branch is followed
+ * (smg_row_follow.h), and where that fails, Newton decides. */
 #ifndef SMG_ROW_BEYOND_H
 #define SMG_ROW_BEYOND_H
 
 #include "smg_history.h"
-#include "smg_row_mean.h"
-#include "smg_row_step.h"
+#include "smg_row_follow.h"
 #include "smg_row_weights.h"
-#include "smg_swept.h"
 
-#define SMG_BEYOND_SWEEPS 200 /* sweeps before Newton takes over: they take as long as some 20 of its iterations */
 #define SMG_BEYOND_ROUNDS 4   /* ends that solve nothing */
-
-/* The sweeps of a step: what stands beside the sites; did a change grow? |h/2kappa| r gain/s, the largest. */
-typedef struct smg_beyond {
-  smg_besides known;
-  smg_turning turn;
-  smg_row_sweeping sweep;
-  int grew;
-  smg_real slope;
-} smg_beyond;
-
-/* w, what it has lost to rounding, and predicted midpoints into slots; one rank does all. */
-static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
-  smg_sweep_start(s);
-  smg_know_rows(s, &a->known);
-  smg_by_each_rank();
-  smg_begin_team(s, &a->known);
-  smg_put_absent(s, 0);
-  smg_to_slots(s, s->compensation, s->row_compensation);
-  smg_to_slots(s, s->m, s->row_m);
-  s->row_alone = 0; /* increments are found at the end alone */
-  a->turn = smg_turning_of(s, h);
-  a->grew = 0;
-  a->slope = 0;
-  smg_begin_sweeping(&a->sweep);
-}
-
-/* Sweeps to rest; 0 where they do not come there. */
-static int smg_settle_beyond(smg_state *s, smg_beyond *a) {
-  smg_row_sweeping *sweep = &a->sweep;
-  do {
-    const smg_row_pass pass = smg_next_pass(s, sweep);
-    const smg_real before = sweep->whole.now;
-    const smg_row_motion moved = smg_turn_colour(s, &a->known, &a->turn, pass);
-    smg_take_pass(s, pass, &moved, sweep);
-    if (sweep->passes > 2 * SMG_COLOURS && sweep->whole.now > before && sweep->whole.now > SMG_NEARLY * s->scale)
-      a->grew = 1;
-    if (!(sweep->whole.now <= SMG_MAX) || sweep->passes > SMG_BEYOND_SWEEPS * SMG_COLOURS) return 0;
-  } while (sweep->passes < SMG_COLOURS || !smg_rows_settled(s, sweep));
-  return 1;
-}
 
 /* 1/s of the slots of one vector, whose gradient is g; 0 in empty ones. */
 SMG_INLINE smg_lanes smg_own_slope(const smg_turning turn, int64_t slot, const smg_lanes *m, const smg_lanes *g) {
@@ -122,9 +79,8 @@ static int smg_shown_by_rows(const smg_state *s, smg_beyond *a) {
   if (s->row_bound <= SMG_ROW_BOUND) return 1;
   if (a->grew) return 0;
   smg_real *slopes = smg_row_slopes(s);
-  const smg_real B = smg_at_all_sites(&s->c, SMG_HESSIAN_EVER);
-  return a->slope * B <= SMG_ROW_SHOWN || smg_weights_show(s, &a->known, slopes, slopes + smg_pitch(&s->c)) ||
-         smg_mean_shows(s, &a->known, a->turn, B, slopes + smg_pitch(&s->c));
+  return a->slope * smg_at_all_sites(&s->c, SMG_HESSIAN_EVER) <= SMG_ROW_SHOWN ||
+         smg_weights_show(s, &a->known, slopes, slopes + smg_pitch(&s->c));
 }
 
 /* They belong to sites again. */
@@ -137,40 +93,42 @@ SMG_INLINE void smg_increment_of_slot(void *context, int64_t site, int64_t slot)
 }
 static void smg_increments_to_sites(smg_state *s) { smg_each_slot(&s->c, s, smg_increment_of_slot); }
 
-/* What the sweeps left is no proof: the matrix at their midpoints gives one, or Newton goes on from there. */
-static smg_status smg_go_on_by_newton(smg_state *s, smg_real h, SMG_UNUSED int solved) {
-  smg_sweep_midpoints(s, h);
-#if SMG_MATRIX_FREE
-  smg_assemble(s, h);
-  if (solved && (smg_row_bound(s) < 1 || smg_on_branch(s, h, smg_row_bound(s), 0))) {
-    smg_increments_to_sites(s); /* the matrix took another evaluation */
-    return SMG_OK;
-  }
-#endif
-  return smg_newton(s, h); /* which finds it solved, and checks the branch */
+/* Sweeps, while they settle soon, with the increments that they leave; do these solve the step? */
+static int smg_solve_beyond(smg_state *s, smg_beyond *a) {
+  for (int round = 0; round < SMG_BEYOND_ROUNDS && smg_settle_beyond(s, a, 0); ++round)
+    if (smg_show_rows(s, a)) return 1;
+  return 0;
+}
+
+/* The same where the branch leads that begins with w: is that what has been found, or another solution? */
+static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved) {
+  smg_row_path path;
+  smg_real *found = smg_paths_of(s) + SMG_BEFORE;
+  path.found = solved ? found : NULL;
+  smg_rows_copy(s, found, s->row_m);
+  if (!smg_follow_rows(s, h, a, &path)) return 0;
+  if (solved && smg_missed(s, &path, path.found) <= SMG_STRAIGHT) return 1;
+  smg_turn_beyond(s, h, a);
+  return smg_solve_beyond(s, a) && smg_missed(s, &path, s->row_m) <= SMG_STRAIGHT;
 }
 
 /* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_NEWTON_STEPS steps
  * with it. */
 static smg_status smg_sweeps(smg_state *s, smg_real h) {
   smg_beyond a;
-  int solved = 0, settled = 1;
   if (s->newton_steps > 0) {
     --s->newton_steps;
     return SMG_NO_CONVERGENCE;
   }
   smg_begin_beyond(s, h, &a);
-  for (int round = 0; settled && !solved && round < SMG_BEYOND_ROUNDS; ++round) {
-    settled = smg_settle_beyond(s, &a);
-    if (settled) solved = smg_show_rows(s, &a);
-  }
+  const int solved = smg_solve_beyond(s, &a);
   s->report.iterations = (int)(a.sweep.passes / SMG_COLOURS);
-  if (!settled) {
-    s->newton_steps = SMG_NEWTON_STEPS;
-    return SMG_NO_CONVERGENCE;
+  if ((solved && smg_shown_by_rows(s, &a)) || smg_solve_at_end(s, h, &a, solved)) {
+    smg_increments_to_sites(s);
+    return SMG_OK;
   }
-  smg_increments_to_sites(s);
-  return solved && smg_shown_by_rows(s, &a) ? SMG_OK : smg_go_on_by_newton(s, h, solved);
+  s->newton_steps = SMG_NEWTON_STEPS;
+  return SMG_NO_CONVERGENCE;
 }
 
 #endif

@@ -27,6 +27,13 @@
 #endif
 /* of the factor of the sweeps that have found a solution, at that solution (smg_row_beyond.h) */
 #define SMG_ROW_SHOWN (smg_real)0.95
+/* parts of h whose midpoints extrapolate those of the next one (smg_row_follow.h), and arrays that this takes: what
+ * they foresee, and midpoints that have been found, are two more */
+#define SMG_PATH_POINTS 3
+#define SMG_PATH_ARRAYS 5
+/* changes of sweeps that accelerate the next one (smg_row_anderson.h), and arrays for that */
+#define SMG_ANDERSON 8
+#define SMG_ANDERSON_ARRAYS 19
 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
 #define SMG_ROW_STRONG (smg_real)0.1
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
@@ -173,9 +180,10 @@ static void smg_clear_rows(const smg_state *s) {
 /* Those of a state that is kept by sites, for the sweeps of smg_row_beyond.h, and their number. */
 static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
-               late = (size_t)(3 * SMG_LATE_PITCH(&s->c)), used = SMG_WIDEST + 4 * size + first + late;
+               late = (size_t)(3 * SMG_LATE_PITCH(&s->c)), paths = SMG_PATH_ARRAYS + SMG_ANDERSON_ARRAYS,
+               used = SMG_WIDEST + (4 + paths) * size + first + late;
   if (mem) {
-    smg_real *next = smg_line_from(mem) + size; /* behind slopes and weights, a number a slot */
+    smg_real *next = smg_line_from(mem) + (1 + paths) * size;
     s->row_w = smg_place_slots(&next, size);
     s->row_compensation = smg_place_slots(&next, size);
     s->row_m = smg_place_slots(&next, size);
@@ -186,6 +194,9 @@ static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
 }
 
 static inline smg_real *smg_row_slopes(const smg_state *s) { return smg_line_from(s->row_beyond) + SMG_BEFORE; }
+static inline smg_real *smg_paths_of(const smg_state *s) {
+  return smg_line_from(s->row_beyond) + smg_array_size(&s->c); /* behind slopes and weights, a number a slot */
+}
 
 static inline size_t smg_beyond_size(const smg_coefficients *c) {
   smg_state s;

@@ -174,5 +174,5 @@ def by_rows() -> Effort:
 
 def beyond_rows() -> Effort:
     """smg_sweeps of smg_row_beyond.h."""
-    sweeps = number("SMG_BEYOND_SWEEPS")
-    return Effort(sweeps + number("SMG_BEYOND_ROUNDS") + 1, 0, sweeps)
+    sweeps = number("SMG_BEYOND_SWEEPS") + number("SMG_PATH_SWEEPS")
+    return Effort(sweeps + 2 * number("SMG_BEYOND_ROUNDS") + 1, 0, sweeps)
