@@ -44,7 +44,7 @@ static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
 
 /* Will sweeps move midpoints by no more than that any more? */
 static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
-  return rest->rate * rest->now <= goal * (1 - rest->rate);
+  return goal > 0 && rest->rate * rest->now <= goal * (1 - rest->rate);
 }
 
 /* Are sweeps so slow that the next one begins elsewhere? Below the bound they are left alone. */

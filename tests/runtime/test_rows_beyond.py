@@ -1,0 +1,69 @@
+"""Steps of lattices by rows beyond the bound: by which certificate, up to which h, and with which solution."""
+import numpy as np
+import pytest
+import smidgen
+from support.runtime_faults import Fault, plant
+
+# steps that follow their branch report a thousand iterations more
+FOLLOWED = (("smg_row_follow.h", "  if (!smg_begin_path(s, h, a, path)) return 0;", "  s->report.iterations += 1000;\n  if (!smg_begin_path(s, h, a, path)) return 0;"),)
+TEXT = """
+[model]
+name = "beyond"
+[space]
+w = { sphere = "4*n" }
+[parameters]
+n = 6
+[effects.exchange]
+over = "bond(i, j) of square(n, 4, periodic)"
+energy = "-dot(w[i], w[j])"
+[starts.a]
+random = 3
+"""
+GENEROUS = Fault("", "smg_row_state.h", "#define SMG_ROW_SHOWN (smg_real)0.95", "#define SMG_ROW_SHOWN (smg_real)(1.3 * 0.95)", (), more=FOLLOWED)
+PLAIN = Fault("", *FOLLOWED[0], ())
+
+
+def neighbours():
+    """Of the square lattice with sides 6 and 4, all sites with theirs."""
+    site = np.arange(24).reshape(4, 6)
+    return np.stack([np.roll(site, step, axis).ravel() for axis in (0, 1) for step in (1, -1)], axis=1)
+
+
+def spectral_radius(w, W, h):
+    """Of the matrix with the entries h/2 |H_ij|/s_i, s^2 = rho^2 + (h/2 m.F)^2, at the midpoints of a step."""
+    beside, mbar = neighbours(), (w + W) / 2
+    rho = np.linalg.norm(mbar, axis=1)
+    m = mbar / rho[:, None]
+    s = np.hypot(rho, h / 2 * np.einsum("ia,ia->i", m, m[beside].sum(axis=1)))
+    matrix = np.zeros((24, 24))
+    np.add.at(matrix, (np.arange(24)[:, None], beside), 1)
+    return np.abs(np.linalg.eigvals(h / 2 / s[:, None] * matrix)).max()
+
+
+def steps(model):
+    """(spectral radius, did the step follow its branch?) over h."""
+    found = []
+    for h in np.arange(0.4, 0.58, 0.01):
+        one = model.start("a", h=h)
+        w = one.w.copy()
+        after = one.steps(1)
+        found.append((spectral_radius(w, after.w, h), after.report()["iterations"] >= 1000))
+    return found
+
+
+def wrong(found):
+    """Those on the wrong side of 0.95, but for the rest that the iteration for the weights leaves."""
+    return [(size, followed) for size, followed in found if followed != (size > 0.95) and not 0.93 < size <= 0.95]
+
+
+def test_the_certificate_ends_at_its_bound(monkeypatch, tmp_path):
+    plant(monkeypatch, tmp_path, PLAIN)
+    found = steps(smidgen.build(smidgen.load_text(TEXT)))
+    assert not wrong(found) and {followed for _, followed in found} == {True, False}
+    assert sum(0.95 < size < 1.2 for size, _ in found) > 2
+
+
+@pytest.mark.long
+def test_a_certificate_too_generous_by_three_tenths_is_seen(monkeypatch, tmp_path):
+    plant(monkeypatch, tmp_path, GENEROUS)
+    assert len(wrong(steps(smidgen.build(smidgen.load_text(TEXT))))) > 2
