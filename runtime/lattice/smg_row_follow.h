@@ -10,7 +10,7 @@
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 400 /* of all paces */
+#define SMG_PATH_SWEEPS 310 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
@@ -97,7 +97,7 @@ static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part
   return smg_settle_beyond(s, a, goal);
 }
 
-/* 0, half of what is certain, and that. */
+/* 0, three quarters of what is certain, and that. */
 static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path) {
   const smg_real certain = smg_certain_part(s, h);
   const size_t size = (size_t)smg_array_size(&s->c);
@@ -108,9 +108,10 @@ static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path 
   a->left = SMG_PATH_SWEEPS * SMG_COLOURS;
   smg_rows_copy(s, s->row_m, s->row_w);
   smg_keep_point(s, path, 0);
-  for (int k = 1; k <= 2; ++k) {
-    const smg_real part = certain * (smg_real)k / 2;
+  for (int k = 3; k <= 4; ++k) {
+    const smg_real part = certain * (smg_real)k / 4;
     smg_foresee(s, path, part);
+    path->pace = smg_rows_apart(s, s->row_m, path->m[0]);
     if (!smg_sweep_part(s, h, a, part, SMG_PATH_ROUGH * s->scale)) return 0;
     smg_keep_point(s, path, part);
   }

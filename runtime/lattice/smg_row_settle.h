@@ -5,7 +5,7 @@
 #include "smg_row_anderson.h"
 #include "smg_swept.h"
 
-#define SMG_BEYOND_SWEEPS 200 /* sweeps before Newton takes over: they take as long as some 20 of its iterations */
+#define SMG_BEYOND_SWEEPS 80 /* before the branch is followed */
 
 /* The sweeps of a step: what stands beside the sites; passes that are left; did a change grow? |h/2kappa| r gain/s, the
  * largest. */
