@@ -15,7 +15,7 @@
 #include "smg_row_follow.h"
 #include "smg_row_weights.h"
 
-#define SMG_BEYOND_ROUNDS 4   /* ends that solve nothing */
+#define SMG_BEYOND_ROUNDS 4 /* ends that solve nothing */
 
 /* 1/s of the slots of one vector, whose gradient is g; 0 in empty ones. */
 SMG_INLINE smg_lanes smg_own_slope(const smg_turning turn, int64_t slot, const smg_lanes *m, const smg_lanes *g) {
