@@ -10,7 +10,7 @@
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 310 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
+#define SMG_PATH_SWEEPS 280 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
