@@ -59,8 +59,8 @@
  *              smg_offsets(sub, beside)           what stands beside the sites of a place
  *              smg_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += dH/dw of the slots of one vector, in
  *                                                 lanes
- *              smg_changed_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += d2H/dw2 of the points of the run
- *                                                 times the changes `all`, for the tangent map
+ *              smg_changed_slot_gradient(c, run, blocks, all, pitch, j, p, sum)  sum += d2H/dw2 of the points of the
+ *                                                 run times the changes `all`, for the tangent map
  *              smg_beside_norm(c, sub, n)         a bound on the norm of the Hessian's block with the n-th of them,
  *                                                 with the site itself for n = -1, where SMG_BESIDE_NORMS says so
  *              smg_rest_field_norm(c, k)          a bound on the norm of dH/dw at site k at w = 0, at all times

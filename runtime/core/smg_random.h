@@ -1,7 +1,7 @@
 /* smidgen runtime: random numbers that a counter gives, without a state: Philox4x32-10 (Salmon, Moraes, Dror, Shaw,
  * "Parallel random numbers: as easy as 1, 2, 3", SC 2011), and normals from them by Box and Muller with a logarithm,
- * cosine and sine made of sums, products and quotients alone, so that every compiler and every libm gives the same bits,
- * and without branches, so that compilers draw for several sites at once. */
+ * cosine and sine made of sums, products and quotients alone, so that every compiler and every libm gives the same
+ * bits, and without branches, so that compilers draw for several sites at once. */
 #ifndef SMG_RANDOM_H
 #define SMG_RANDOM_H
 

@@ -1,4 +1,4 @@
-/* smidgen runtime: three components, products of vectors, turns, and the compensated sum; a template (smg_template.h). */
+/* smidgen runtime: three components, products of vectors, turns, the compensated sum; a template (smg_template.h). */
 #include "smg_template.h"
 
 SMG_INLINE smg_number smg_dot(const smg_number *a, const smg_number *b) {

@@ -173,8 +173,8 @@ SMG_INLINE smg_real smg_push_colours(smg_row_push *q, int64_t first, int64_t n, 
   return smg_lane_largest(q->most);
 }
 
-/* Has dm come to rest? The next change is at most the bound times those of all colours: an ulp, as the end is as good as
- * another sweep, or what the tolerance leaves; or it is round-off and shrinks no more. */
+/* Has dm come to rest? The next change is at most the bound times those of all colours: an ulp, as the end is as good
+ * as another sweep, or what the tolerance leaves; or it is round-off and shrinks no more. */
 static int smg_push_rests(const smg_state *s, const smg_row_sweeping *sweep) {
   const smg_real change = smg_recent(sweep->recent, -1);
   return s->row_bound * change <= SMG_EPS * s->scale || sweep->whole.stays ||
