@@ -137,6 +137,12 @@ static smg_status smg_settle(smg_state *s, smg_real h) {
   }
 }
 
+/* Midpoints and frames at the solution that the sweeps left, for the matrix. */
+static void smg_sweep_midpoints(smg_state *s, smg_real h) {
+  smg_set_midpoints(s);
+  (void)smg_evaluate(s, h);
+}
+
 /* Do the sweeps' increments solve the step, and on the right branch? Else Newton goes on from their midpoints. */
 static int smg_sweeps_solved(smg_state *s, smg_real h) {
 #if SMG_ROTATION

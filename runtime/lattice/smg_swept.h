@@ -1,4 +1,4 @@
-/* smidgen runtime: the midpoints where sweeps begin, and those where Newton goes on from what they left. */
+/* smidgen runtime: the midpoints where sweeps begin. */
 #ifndef SMG_SWEPT_H
 #define SMG_SWEPT_H
 
@@ -6,12 +6,6 @@
 
 /* mbar = w + u/2 of all sites. */
 static inline void smg_set_midpoints(smg_state *s) { smg_waxpy(s->mbar, 0.5, s->u, s->w, 3 * smg_sites(&s->c)); }
-
-/* Midpoints and frames at the solution that the sweeps left, for the matrix. */
-static void smg_sweep_midpoints(smg_state *s, smg_real h) {
-  smg_set_midpoints(s);
-  (void)smg_evaluate(s, h);
-}
 
 #if SMG_ROTATION
 /* m = P(w + u/2) of site k. */

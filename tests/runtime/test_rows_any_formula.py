@@ -80,7 +80,7 @@ def test_bounds_hold_at_all_states(formula):
     model, dice = Model(spec, choose(spec, MIDPOINT, "auto")), np.random.default_rng(1)
     t, components = model.energies[0], [x for v in model.energies[0].derived.vectors for x in v]
     for k in (0, 1):
-        rest, norm = map(number, bounds_of_term(model.low, t, k, model.families[0].family.radius))
+        rest, norm = map(number, bounds_of_term(model.low, t, k, {f.name: f.family.radius for f in model.families}))
         blocks = [sp.lambdify([*components, sp.Symbol("t", real=True)], b.xreplace({s: sp.Float(NUMBERS[s.name]) for s in b.free_symbols if s.name in NUMBERS})) for (a, _), b in t.derived.hessian.items() if a == k]
         most = 0.0
         for n in range(1000):
