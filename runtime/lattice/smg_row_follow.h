@@ -10,7 +10,7 @@
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 280 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
+#define SMG_PATH_SWEEPS 240 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
@@ -39,6 +39,23 @@ static smg_real smg_certain_part(const smg_state *s, smg_real h) {
   smg_real part = 1;
   while (part > SMG_PATH_SHORTEST && smg_row_factor(&s->c, part * h) > SMG_ROW_BOUND) part *= SMG_PATH_SMALLER;
   return part;
+}
+
+/* to = from, arrays by slots. */
+static inline void smg_rows_copy(const smg_state *s, smg_real *to, const smg_real *from) {
+  smg_copy(to - SMG_BEFORE, from - SMG_BEFORE, smg_array_size(&s->c));
+}
+
+/* Midpoints as long as their spins. */
+static void smg_onto_spheres(const smg_state *s) {
+  const smg_inverses inverses = smg_inverses_of(s);
+  const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
+  for (int64_t slot = 0; slot < slots; slot += SMG_LANES) {
+    smg_lanes m[3];
+    smg_take_slots(s->row_m, pitch, slot, m);
+    smg_lane_stretch_to(smg_inverse_at(inverses, slot), 0, m);
+    smg_put_slots(s->row_m, pitch, slot, m);
+  }
 }
 
 /* The largest distance between the vectors of two arrays. */

@@ -2,7 +2,7 @@
 #ifndef SMG_ROW_SETTLE_H
 #define SMG_ROW_SETTLE_H
 
-#include "smg_row_anderson.h"
+#include "smg_row_step.h"
 #include "smg_swept.h"
 
 #define SMG_BEYOND_SWEEPS 80 /* before the branch is followed */
@@ -13,7 +13,6 @@ typedef struct smg_beyond {
   smg_besides known;
   smg_turning turn;
   smg_row_sweeping sweep;
-  smg_row_anderson fast;
   int64_t left;
   int grew;
   smg_real slope;
@@ -22,7 +21,7 @@ typedef struct smg_beyond {
 /* Sweeps with h begin. */
 static void smg_turn_beyond(const smg_state *s, smg_real h, smg_beyond *a) {
   a->turn = smg_turning_of(s, h);
-  a->grew = a->fast.known = a->fast.sweeps = 0;
+  a->grew = 0;
   smg_begin_sweeping(&a->sweep);
 }
 
@@ -39,7 +38,6 @@ static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
   s->row_alone = 0; /* increments are found at the end alone */
   a->left = SMG_BEYOND_SWEEPS * SMG_COLOURS;
   a->slope = 0;
-  smg_place_anderson(s, smg_paths_of(s) + SMG_PATH_ARRAYS * smg_array_size(&s->c), &a->fast);
   smg_turn_beyond(s, h, a);
 }
 
@@ -48,17 +46,11 @@ static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
   return goal > 0 && rest->rate * rest->now <= goal * (1 - rest->rate);
 }
 
-/* Are sweeps so slow that the next one begins elsewhere? Below the bound they are left alone. */
-static inline int smg_sweeps_slowly(const smg_state *s, const smg_beyond *a) {
-  return a->sweep.passes % SMG_COLOURS == 0 && a->sweep.passes > SMG_COLOURS && s->row_bound > SMG_ROW_BOUND &&
-         (a->fast.sweeps > 0 || a->sweep.whole.rate > SMG_ROW_SLOW);
-}
-
-/* Sweeps to rest, or until they are as near to it as `goal`; 0 where they do not come there. */
+/* Sweeps to rest, or until they are as near to it as `goal`; 0 where they do not come there. They are not accelerated:
+ * so they leave solutions at which the determinant of the equations is negative, behind a fold. */
 static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
   smg_row_sweeping *sweep = &a->sweep;
   do {
-    if (smg_sweeps_slowly(s, a)) smg_accelerate(s, &a->fast);
     const smg_row_pass pass = smg_next_pass(s, sweep);
     const smg_real before = sweep->whole.now;
     const smg_row_motion moved = smg_turn_colour(s, &a->known, &a->turn, pass);

@@ -31,9 +31,6 @@
  * they foresee, and midpoints that have been found, are two more */
 #define SMG_PATH_POINTS 3
 #define SMG_PATH_ARRAYS 5
-/* changes of sweeps that accelerate the next one (smg_row_anderson.h), and arrays for that */
-#define SMG_ANDERSON 8
-#define SMG_ANDERSON_ARRAYS 19
 /* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
 #define SMG_ROW_STRONG (smg_real)0.1
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
@@ -180,10 +177,10 @@ static void smg_clear_rows(const smg_state *s) {
 /* Those of a state that is kept by sites, for the sweeps of smg_row_beyond.h, and their number. */
 static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
-               late = (size_t)(3 * SMG_LATE_PITCH(&s->c)), paths = SMG_PATH_ARRAYS + SMG_ANDERSON_ARRAYS,
-               used = SMG_WIDEST + (4 + paths) * size + first + late;
+               late = (size_t)(3 * SMG_LATE_PITCH(&s->c)),
+               used = SMG_WIDEST + (4 + SMG_PATH_ARRAYS) * size + first + late;
   if (mem) {
-    smg_real *next = smg_line_from(mem) + (1 + paths) * size;
+    smg_real *next = smg_line_from(mem) + (1 + SMG_PATH_ARRAYS) * size;
     s->row_w = smg_place_slots(&next, size);
     s->row_compensation = smg_place_slots(&next, size);
     s->row_m = smg_place_slots(&next, size);

@@ -33,8 +33,9 @@ TWIST = " + 0.3*(w[i].x*w[j].y - w[i].y*w[j].x)"
 
 
 def lattice(name, over, n, sites, energy="-dot(w[i], w[j])", more=""):
+    """By rows, also where there are so few sites that a dense matrix would serve."""
     text = LATTICE.format(sites=sites, lattice="", n=n, over=over, energy=energy, more=more)
-    return Model(spec(name, text), ((f"{n}", "sphere", "1", "1"),) if sites == "n" else ((sites.replace("n", f"{n}"), "sphere", "1", "1"),))
+    return Model(spec(name, text), ((sites.replace("n", f"{n}"), "sphere", "1", "1"),), solver="auto" if over.startswith("chain") else "rotation")
 
 
 # rows of two colours and of three, in blocks and not, open and closed; bonds with a twist, sites that feel themselves, strengths of both signs

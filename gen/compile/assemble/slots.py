@@ -33,7 +33,7 @@ class Slots:
 
     def beyond(self) -> int:
         """Those of smg_place_beyond."""
-        return MOST_LANES + (15 + 3 * number("SMG_PATH_ARRAYS") + 3 * number("SMG_ANDERSON_ARRAYS")) * self.pitch + 3 * self.ends
+        return MOST_LANES + (15 + 3 * number("SMG_PATH_ARRAYS")) * self.pitch + 3 * self.ends
 
     def tables(self, values: int, besides: int, kinds: int = 0) -> int:
         """Those of smg_place_tables, with the neighbours of blocks, whether there are blocks or not; kinds: of rows, in the memory of the state."""
