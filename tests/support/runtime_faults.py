@@ -133,7 +133,7 @@ FAULTS = {
     "few sites in the last lane": Fault("run", "smg_few.h", "(smg_real)a[i + l < sites ? i + l : sites - 1]", "(smg_real)a[i + l < sites - 1 ? i + l : 0]", ("point_vortices", {"gamma": [1.0, 0.7, -0.4, 0.9]})),
     "sweeps beyond the bound of rows": Fault("run", "smg_row_beyond.h", "                                      : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first];\n",
                                              "                                      : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first] * (site > 1 ? 1 : (smg_real)1.01);\n", planted(), {"h": 0.52}),
-    "noise of the last site of a lattice": Fault("noise", "smg_thermal.h", "  for (int64_t k = from + all * thread / threads; k < from + all * (thread + 1) / threads; ++k)", "  for (int64_t k = from + all * thread / threads; k + SMG_BY_ROWS < from + all * (thread + 1) / threads; ++k)",
+    "noise of the last site of a lattice": Fault("noise", "smg_thermal.h", "end = from + all * (thread + 1) / threads;", "end = from + all * (thread + 1) / threads - SMG_BY_ROWS;",
                                                  planted(DAMPED + "kT = 0.2\n")),
     "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
 }
