@@ -16,12 +16,42 @@ from smidgen.methods import METHODS
 
 # A single sphere; few sites in lanes; chains and lattices by rows; a graph; sites of several families, tracers, R^3 and Nambu factors.
 SHIPPED = ("free_rigid_body", "point_vortices", "heisenberg_chain", "honeycomb", "cubic_lattice", "vortex_tracers", "product", "nambu_a34")
-TEXTS = {"glass": texts.GLASS, "open": texts.OPEN_CHAIN}
+LAWS = """
+[model]
+name = "laws"
+[space]
+w = { sphere = "n*n", radius = "1 + 0.1*mod(i, 2)", kappa = "1 - 0.2*mod(i, 3)" }
+[parameters]
+n = 6
+[effects.exchange]
+over = "bond(i, j) of square(n, n, open)"
+energy = "-dot(w[i], w[j])"
+[effects.friction]
+over = "site(i) of w"
+damping = "0.1*mod(i, 3)"
+{kT}
+[effects.push]
+over = "site(i) of w"
+torque = "0.1*cross(w[i], vec(0, 0, 1 + w[i].x^2))"
+[effects.rim]
+over = "site(i) of w"
+pinned = "i < n"
+[effects.hole]
+over = "site(i) of w"
+absent = "i == 20"
+[starts.a]
+random = 1
+"""
+TEXTS = {"glass": texts.GLASS, "open": texts.OPEN_CHAIN, "laws": LAWS.replace("{kT}", ""), "warm": LAWS.replace("{kT}", 'kT = "0.2 + 0.1*mod(i, 2)"')}
 # One method of each kind of step, where it goes in another way than elsewhere.
 TELLING = [("honeycomb", "gauss-8"), ("honeycomb", "spherical-midpoint"), ("honeycomb", "sublattice-rotations"), ("honeycomb", "spherical-midpoint-4"),
            ("heisenberg_chain", "pair-rotations-4"), ("heisenberg_chain", "dop853"), ("heisenberg_chain", "isospectral-midpoint"),
            ("free_rigid_body", "moser-veselov-4"), ("free_rigid_body", "gauss-8"), ("free_rigid_body", "axis-splitting"), ("free_rigid_body", "extrapolation-12"),
-           ("point_vortices", "spherical-midpoint"), ("point_vortices", "cf4"), ("vortex_tracers", "classical-midpoint"), ("vortex_tracers", "gauss-4")]
+           ("point_vortices", "spherical-midpoint"), ("point_vortices", "cf4"), ("vortex_tracers", "classical-midpoint"), ("vortex_tracers", "gauss-4"),
+           ("free_rigid_body", "dormand-prince-8")]
+RESPONDING = (("laws", "spherical-midpoint"), ("warm", "spherical-midpoint"),
+              *(pytest.param(*pair, marks=pytest.mark.long) for pair in (("laws", "gauss-4"), ("laws", "classical-midpoint"), ("laws", "spherical-midpoint-4"),
+                                                                        ("laws", "dop853"), ("laws", "extrapolation-12"), ("warm", "spherical-midpoint-4"), ("warm", "heun"))))
 
 
 def layout(name, where):
@@ -39,7 +69,7 @@ def complaints(spec, method, features, where, compiler="gcc"):
     try:
         files = generate(select(spec), method=method, features=features)
     except UsageError as refusal:
-        assert str(refusal).startswith(("method", "feature", "solver")) and "\n" not in str(refusal)
+        assert str(refusal).startswith(("method", "feature", "the feature", "solver")) and "\n" not in str(refusal)
         return None
     write_files(files, where)
     return compile_all(where, sorted(name for name in files if name.endswith(".c")), compiler)
@@ -48,6 +78,13 @@ def complaints(spec, method, features, where, compiler="gcc"):
 @pytest.mark.parametrize("name, method", TELLING)
 def test_a_layout_with_all_features_at_once(name, method, tmp_path):
     assert complaints(layout(name, tmp_path), method, features_of(method, ANYWHERE), tmp_path) == ""
+
+
+@pytest.mark.parametrize("name, method", RESPONDING)
+def test_damped_pushed_and_held_sites_with_each_feature(name, method, tmp_path):
+    spec = layout(name, tmp_path)
+    found = [complaints(spec, method, some, tmp_path) for some in ((), *((f,) for f in features_of(method)))]
+    assert found[0] == "" and set(found) <= {"", None}
 
 
 @pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param("classical-midpoint", marks=pytest.mark.long)])

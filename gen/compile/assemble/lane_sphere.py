@@ -19,7 +19,7 @@ def lane_sphere(model, low):
     own too, where what depends on time takes longer than all else."""
     own_times = model.method.controlled
     kernels = model.solo or ((model.motion,) if model.motion and not (own_times and low.is_timed()) else ())
-    if not kernels or model.thermal or model.method.stages > 1 or "extended" in model.features:
+    if not kernels or not model.method.lane_header or model.thermal or model.method.stages > 1 or "extended" in model.features:
         return None
     read = coefficients_of(kernels)
     if read is None:
