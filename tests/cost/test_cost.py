@@ -347,7 +347,7 @@ def test_what_is_missing_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "heyoka", None)
     found = smidgen.cost(smidgen.load("free_rigid_body"), time=1, methods=["spherical-midpoint"], seconds=0.2, long=False, peers=True)
     said = str(found)
-    for word in ("cvode-adams needs SUNDIALS 7", "arkode needs SUNDIALS 7", "heyoka needs heyoka (pip install heyoka)"):
+    for word in ("cvode-adams requires SUNDIALS 7", "arkode requires SUNDIALS 7", "heyoka requires heyoka (pip install heyoka)"):
         assert f"not measured: {word}" in said
     assert {"gsl-rk8pd", "spherical-midpoint"} <= {row.method for row in found.rows} and "of the general integrators" in said
 
