@@ -69,7 +69,7 @@ FAULTS = {
     "a variable that nothing uses": ("  return h / smg_kappa(c, k);", "  int unused;\n  return h / smg_kappa(c, k);", Fault, "compilers"),
     "memory that is too small": ("return sizeof(smg_real) * smg_layout(&s, NULL);", "return sizeof(smg_real) * smg_layout(&s, NULL) - 8;", Fault, "sanitizers"),
     "what a restored state lacks": ("  smg_copy(s->compensation, lost, 3 * smg_sites(&s->c));\n", "  (void)lost;\n", Fault, "sanitizers"),
-    "a sum of integers that overflows": ("++s->count;", "s->count += 9223372036854775807;", Fault, "sanitizers"),
+    "a sum of integers that overflows": ("  return h / smg_kappa(c, k);", "  volatile int64_t most = INT64_MAX;\n  most = most + 1;\n  return h / smg_kappa(c, k);", Fault, "sanitizers"),
     "a step that never ends": ("if (model->n0 < 1 ||", "for (volatile int k = 1; k;) {}\n  if (model->n0 < 1 ||", Fault, "sanitizers"),
     "a strength that is wrong by 1e-12": ("return h / smg_kappa(c, k)", "return h * (smg_real)1.000000000001 / smg_kappa(c, k)", Mismatch, "witness")}
 
@@ -96,7 +96,7 @@ damping = "0.3"
 kT = "%s"
 [starts.s]""")
 COLD = {"a variance that is off in the third digit": ("part - part * part / 6", "part - part * part / 7", Mismatch, "witness"),
-        "both halves with the same numbers": ("SMG_USE_NOISE + 2 * j + half", "SMG_USE_NOISE + 2 * j + 0 * half", Mismatch, "witness"),
+        "both halves with the same numbers": ("SMG_USE_NOISE + 2 * turn + half", "SMG_USE_NOISE + 2 * turn + 0 * half", Mismatch, "witness"),
         "a seed that is not restored": ("  s->seed = (uint64_t)in", "  if (s->h < 0) s->seed = (uint64_t)in", Fault, "sanitizers"),
         "members with one noise": ("s->member = member;", "s->member = 0 * member;", Fault, "sanitizers")}
 

@@ -160,6 +160,8 @@ class Passage:
             made = generate(scene, self.settings.method, self.settings.solver, features=self.features)
         except UsageError as refusal:
             self.found["note"] += f"{str(refusal)[:80]} "
+            self.features = tuple(f for f in self.features if not str(refusal).startswith(f"feature {f}"))
+            self.found["features"] = " ".join(self.features)
             made = generate(scene, self.settings.method, features=self.features)
         notes, made = made.notes, type(made)(self.change(dict(made)))
         made.notes = notes
