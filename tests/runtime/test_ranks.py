@@ -134,7 +134,7 @@ LONG = {  # along their slowest direction, so that four ranks have parts of them
     "three colours along": lattice("long_skew", "skew.near", 41, "7*n", EXCHANGE + DM, SKEW.replace('["n", 4]', '[7, "n"]').replace('"periodic"', '"open"')),
     "long in four dimensions": lattice("long_four", "four.near", 20, "48*n", EXCHANGE + DM, FOUR.replace('["n", 3, 4, 2]', '[4, 3, 4, "n"]'))}
 LONG["in time, by site"] = lattice("driven", "cubic(4, 4, n, periodic)", 24, "16*n", EXCHANGE + field(KINDS["a wave"]).replace("omega", "2") + field(KINDS["staggered"], "more"))
-LONG["two families"] = layers(*BONDS, n=4, m=60)
+LONG["two families"] = layers(*BONDS, n=12, m=60)
 SPECS = {**SPECS, "by site": SITED, "blocks by site": SITED_BLOCKS}
 C_CASES = {"by site": (3,), "blocks by site": (2,), "odd cubic": (2,), "plain cubic": (2, 3, 4), "open cubic": (3,), "honeycomb": (2, 3), "ladder": (3,), "ring of 601": (4,), "open chain of 35": (2,), "further neighbours of 50": (2,),
            "three colours": (3,), "odd square": (3,), "four dimensions": (4,), "far": (2,)}
