@@ -33,7 +33,8 @@ static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
   smg_begin_team(s, &a->known);
   smg_put_absent(s, 0);
   smg_to_slots(s, s->compensation, s->row_compensation);
-  smg_zero(s->row_m - SMG_BEFORE, smg_array_size(&s->c)); /* of empty slots too, which products of arrays take */
+  /* in slots without a site the midpoint is the spin, as it is along the branch: distances are those of all slots */
+  smg_copy(s->row_m - SMG_BEFORE, s->row_w - SMG_BEFORE, smg_array_size(&s->c));
   smg_to_slots(s, s->m, s->row_m);
   s->row_alone = 0; /* increments are found at the end alone */
   a->left = SMG_BEYOND_SWEEPS * SMG_COLOURS;

@@ -21,6 +21,8 @@ random = 3
 """
 GENEROUS = Fault("", "smg_row_state.h", "#define SMG_ROW_SHOWN (smg_real)0.95", "#define SMG_ROW_SHOWN (smg_real)(1.3 * 0.95)", (), more=FOLLOWED)
 PLAIN = Fault("", *FOLLOWED[0], ())
+# and those that are swept again at the end of it, ten thousand
+AGAIN = Fault("", "smg_row_beyond.h", "  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", "  s->report.iterations += 10000;\n  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", (), more=FOLLOWED)
 
 
 def neighbours():
@@ -61,6 +63,15 @@ def test_the_certificate_ends_at_its_bound(monkeypatch, tmp_path):
     found = steps(smidgen.build(smidgen.load_text(TEXT)))
     assert not wrong(found) and {followed for _, followed in found} == {True, False}
     assert sum(0.95 < size < 1.2 for size, _ in found) > 2
+
+
+@pytest.mark.parametrize("size", ["9, 7", pytest.param("6, 6", marks=pytest.mark.long)])
+def test_slots_without_a_site_do_not_part_a_solution_from_its_branch(monkeypatch, tmp_path, size):
+    """What sweeps have found is what the branch leads to: no step is swept again."""
+    plant(monkeypatch, tmp_path, AGAIN)
+    model = smidgen.build(smidgen.load_text(TEXT.replace("4*n", size.replace(", ", "*")).replace("n, 4", size)))
+    iterations = [model.start("a", h=h).steps(1).report()["iterations"] for h in (0.48, 0.54, 0.6)]
+    assert max(iterations) < 10000 and any(n >= 1000 for n in iterations)
 
 
 @pytest.mark.long

@@ -77,7 +77,7 @@ class Rows:
 
 
 def rows(model, low):
-    """`Rows`, or why they do not serve. With the tangent map, which asks for the arrays of Newton, no step goes by them."""
+    """`Rows`, or why they do not serve."""
     laws, over = laws_of(model.contributions), one_lattice(lattices(model))
     why_not = of_lattices(model)
     why_not = why_not if why_not is not None else of_space(model) or of_laws(model, laws) or (None if over else "its sites have no bonds")
