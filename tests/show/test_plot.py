@@ -110,6 +110,12 @@ def test_user_text_never_becomes_markup_or_script():
     assert "\u202e" not in text.shown(HOSTILE) and "\x00" not in text.shown(HOSTILE)
 
 
+def test_a_power_of_ten_in_prose_is_not_broken_over_lines():
+    assert text.prose("at most 3e-04, x1e5 & 2e+10") == ('at most <span class="power">3\u00d710<sup>\u22124</sup></span>, x1e5 &amp; '
+                                                         '<span class="power">2\u00d710<sup>10</sup></span>')
+    assert "<span" not in text.prose(HOSTILE)
+
+
 def test_a_hostile_title_is_drawn(top, tmp_path):
     hostile = result(top.w, HOSTILE, **top.values)
     for kind in ("sphere", "energy", "player"):

@@ -14,7 +14,7 @@ from .colours import FAINT
 from .bundle import asset
 from .coding import packed
 from .player import QUANTUM, filled
-from .text import in_html, in_script, printable
+from .text import in_html, in_script, printable, prose
 
 SMALL = 4096            # bytes at the head of a picture that tell its size
 SCRIPTS = ("spheres.js", "page.js")
@@ -100,7 +100,7 @@ def caption(p: Picture, folder: Path, keys: str = "") -> str:
     """The figure's number in the paper, title, keys of colours, words, and the way to its player."""
     number = f'<span class="number">{in_html(p.number)}</span> ' if p.number else ""
     play = f' <a class="play" href="{address(p.player, folder)}">Open the player</a>' if p.player else ""
-    return f"<figcaption>{number}<b>{in_html(p.title)}</b><p>{keys}{in_html(p.caption)}</p>{play}</figcaption>"
+    return f"<figcaption>{number}<b>{in_html(p.title)}</b><p>{keys}{prose(p.caption)}</p>{play}</figcaption>"
 
 
 def pictured(p: Picture, folder: Path) -> str:

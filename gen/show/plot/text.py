@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 import unicodedata
 
 LONGEST = 200       # characters of a title or name that a picture shows
@@ -24,6 +25,12 @@ def shown(text) -> str:
 def in_html(text) -> str:
     """`text` for HTML, in an element or in a quoted attribute."""
     return html.escape(printable(text, PARAGRAPH), quote=True)
+
+
+def prose(text) -> str:
+    """`text` as HTML, with 3e-04 as a power of ten that no line is broken in."""
+    powers = re.sub(r"(?<![\w.])([\d.]*\d)e([+-]?)0*(\d+)\b", '<span class="power">\\1\u00d710<sup>\\2\\3</sup></span>', in_html(text))
+    return powers.replace("<sup>-", "<sup>\u2212").replace("<sup>+", "<sup>")
 
 
 def in_script(value) -> str:
