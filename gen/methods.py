@@ -86,8 +86,8 @@ class Method:
 
     @property
     def responds_by_rows(self) -> bool:
-        """Has it a step by rows for sites that do more than precess? Off the leaf |m| is not known, which such sites ask for."""
-        return self.onto_leaf or bool(self.splitting) or self.by_field
+        """Has it a step by rows for sites that do more than precess? The classical midpoint has none: its |m| is not known, which such sites ask for."""
+        return self.onto_leaf or bool(self.splitting) or self.takes_fields
 
     @property
     def takes_fields(self) -> bool:

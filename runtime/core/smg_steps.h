@@ -15,6 +15,8 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
 #else
 #if SMG_ROW_FIELDS
   return smg_field_steps(s, count);
+#elif SMG_ROW_STAGES
+  return smg_stage_row_steps(s, count);
 #elif SMG_ROWS_IN_TIME
   for (const int64_t end = s->count + count; s->count < end && status == SMG_OK;)
     status = s->rows && smg_next_by_rows(s) ? smg_row_steps(s, end - s->count) : smg_step(s);

@@ -45,8 +45,8 @@ static smg_status smg_step(smg_state *s) {
   smg_gauss_work a = smg_work_of(s);
   return smg_collocate(s, &a);
 }
+#endif
 
 #include "smg_steps.h"
-#endif
 
 #endif

@@ -20,6 +20,7 @@ static void smg_begin_sweep(smg_state *s, smg_gauss_work *a) {
   a->half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, smg_signed_h(s->h));
   a->marks = NULL;
   a->shift.theta = 0;
+  a->told = smg_told_of(&s->c, 0);
   smg_forget_besides(&s->c, &a->known);
 #if SMG_SITE_VALUES
   a->known.values = s->row_values = smg_slot_component(s, SMG_SLOT_COMPONENTS);
@@ -29,7 +30,7 @@ static void smg_begin_sweep(smg_state *s, smg_gauss_work *a) {
 }
 
 /* count steps, or fewer: the first that fails is the last. */
-static smg_status smg_steps(smg_state *s, int64_t count) {
+static smg_status smg_stage_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_gauss_work sweep;
   smg_begin_sweep(s, &sweep);
@@ -39,6 +40,6 @@ static smg_status smg_steps(smg_state *s, int64_t count) {
   return status;
 }
 
-static inline smg_status smg_step(smg_state *s) { return smg_steps(s, 1); }
+static inline smg_status smg_step(smg_state *s) { return smg_stage_row_steps(s, 1); }
 
 #endif

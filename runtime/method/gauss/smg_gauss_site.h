@@ -50,9 +50,10 @@ SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_of_sit
 
 /* ---- one site, z = (z[0] + i z[1], z[2] + i z[3]) ------------------------------------------- */
 
-/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage. */
+/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage; of z = 0 both are 0. */
 SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
-  const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + SMG_LEAST);
+  const smg_real least = SMG_LEAST + r * SMG_LEAST; /* so that r/least is finite */
+  const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + least);
   smg_lane_multiple(x, scale, z, 4);
   p[0] = 2 * (x[0] * z[2] + x[1] * z[3]);
   p[1] = 2 * (x[0] * z[3] - x[1] * z[2]);

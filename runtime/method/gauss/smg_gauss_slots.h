@@ -46,12 +46,17 @@ SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const s
 
 /* ---- z and w -------------------------------------------------------------------------------- */
 
-/* As smg_lift of smg_gauss_stages.h, with one division in place of two, and for lengths that are not 0. */
+/* As smg_lift of smg_gauss_stages.h, with one division in place of two, and for lengths that are not 0. Sites
+ * that are not there have w = 0, and z = 0. */
 SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   const smg_lanes zero = {0};
-  const smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2]))), part = (smg_real)0.5 / large;
-  const smg_lanes re = w[0] * part, im = w[1] * part;
+  smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2])));
+  const smg_lanes part = (smg_real)0.5 / large, re = w[0] * part, im = w[1] * part;
   const smg_lane_mask south = (smg_lane_mask)(w[2] < zero);
+#if SMG_RESPONDS
+  large = smg_lane_select((smg_lane_mask)(smg_lane_abs(w[0]) + smg_lane_abs(w[1]) + smg_lane_abs(w[2]) > zero), large,
+                          zero);
+#endif
   z[0] = smg_lane_select(south, re, large);
   z[1] = smg_lane_select(south, -im, zero);
   z[2] = smg_lane_select(south, large, re);
@@ -70,16 +75,19 @@ static void smg_lift_sites(const smg_state *s) {
   }
 }
 
-/* w and what it has lost into slots; empty ones hold a spin that nothing turns. */
+/* w and what it has lost into slots; empty ones hold a spin that nothing turns, or 0 where a torque would turn it. */
 static void smg_enter_slots(const smg_state *s) {
   smg_real *w = smg_slot_component(s, SMG_SLOT_W);
-  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) w[2 * smg_pitch(&s->c) + slot] = smg_radius(&s->c, 0);
+  for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot)
+    w[2 * smg_pitch(&s->c) + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
+  smg_put_absent(s, 1);
   smg_to_slots(s, s->w, w);
   smg_to_slots(s, s->compensation, smg_slot_component(s, SMG_SLOT_LOST));
   smg_lift_sites(s);
 }
 static void smg_leave_slots(const smg_state *s) {
   smg_to_sites(s, smg_slot_component(s, SMG_SLOT_W), s->w);
+  smg_put_absent(s, 0);
   smg_to_sites(s, smg_slot_component(s, SMG_SLOT_LOST), s->compensation);
 }
 

@@ -5,16 +5,18 @@
 
 #include "smg_gauss_slots.h"
 #include "smg_gauss_shift.h"
+#include "smg_lane_respond.h"
 #include "smg_row_piece.h"
 
 /* What sweeps work with: where the slots are; where changes are marked, or NULL; h/(2 kappa), r, 1/r, sqrt(r); how
- * strongly fields turn spins; D; a piece, and the gradients of its stages. */
+ * strongly fields turn spins; D; the response; a piece, and the gradients of its stages. */
 typedef struct smg_gauss_work {
   smg_real *w, *z, *stages, *marks;
   int64_t pitch;
   smg_real half, radius, inverse, size, strength;
   smg_shift_matrix shift;
   smg_besides known;
+  smg_told told;
   smg_piece piece;
   SMG_LINES smg_real gradient[3 * SMG_STAGES * SMG_PIECE_ROOM];
 } smg_gauss_work;
@@ -46,16 +48,28 @@ SMG_INLINE void smg_add_orthogonal(const smg_lanes *z, smg_lanes re, smg_lanes i
   l[3] += z[0] * im - z[1] * re;
 }
 
+/* R = F + p x Q of the sites in the slots of one vector, in `room` (smg_respond.h). */
+SMG_INLINE const smg_lanes *smg_slot_response(const smg_gauss_work *a, SMG_UNUSED int64_t slot, const smg_lanes *p,
+                                              const smg_lanes *g, smg_lanes *room) {
+#if SMG_LAW_BY_SITE
+  const smg_told told = smg_told_of_slots(a->told, a->known.values + slot, a->pitch);
+  return smg_lane_respond(&told, p, g, room);
+#else
+  return smg_lane_respond(&a->told, p, g, room);
+#endif
+}
+
 /* L_i by F of the slots of one vector, with its change and that change's part for the shift; the largest change is
  * noted, and what is not a number. */
 SMG_INLINE void smg_slot_slopes(const smg_gauss_work *a, int i, int64_t slot, const smg_lanes *g, const smg_lanes *z,
                                 smg_lanes *l, smg_lanes *part, smg_lanes *change) {
   const int64_t pitch = a->pitch;
-  smg_lanes p[3], x[4], d[4], turn[3];
+  smg_lanes p[3], x[4], d[4], turn[3], room[3];
   smg_take_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), pitch, slot, p);
   smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_X), pitch, slot, x);
   smg_take_four(smg_sweep_stage(a, i, SMG_STAGE_SLOPE), pitch, slot, d);
-  smg_slope(a->half * smg_stage_entry(smg_gauss_weight, i), a->inverse, g, p, x, turn, l);
+  smg_slope(a->half * smg_stage_entry(smg_gauss_weight, i), a->inverse, smg_slot_response(a, slot, p, g, room), p, x,
+            turn, l);
   smg_lane_waxpy(d, smg_lane_of(-1), d, l, 4);
   smg_part_orthogonal(z, d, part);
   *change =
@@ -190,20 +204,36 @@ static smg_moved smg_sweep_stages(smg_state *s, void *with) {
 
 #define SMG_LOOKS 16 /* spins of a piece that are looked at: theta by their mean is as good as by that of all */
 
+/* p and R of the k-th spin of a piece. */
+static void smg_look_at_spin(SMG_UNUSED const smg_coefficients *c, const smg_gauss_work *a, int64_t k, smg_real *p,
+                             smg_real *R) {
+  const int64_t slot = a->piece.start + k;
+  for (int b = 0; b < 3; ++b) p[b] = smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT + b)[slot];
+  for (int b = 0; b < 3; ++b) R[b] = a->piece.g[SMG_PIECE_ROOM * b + k];
+#if SMG_TOLD
+  smg_real r[SMG_RESPONSE_SIZE], room[3];
+  smg_law(c, 0, r);
+#if SMG_LAW_BY_SITE
+  for (int n = 0, at = SMG_LAW_FIRST; n < SMG_RESPONSE_SIZE; ++n)
+    if (SMG_LAW_BY_SITE >> n & 1) r[n] = a->known.values[slot + at++ * a->pitch];
+#endif
+  smg_copy(R, smg_told_respond(r, p, R, room), 3);
+#endif
+}
+
 /* What a piece of the first colour tells of the fields: the largest |h b/2|, and theta, the mean h b.p/r, in eighths,
  * so that D is seldom made anew. */
 static smg_real smg_look_at_fields(smg_state *s, smg_gauss_work *a) {
-  const smg_real *p = smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT), *g = a->piece.g;
-  smg_real sum = 0, most = 0, looks = 0;
+  smg_real sum = 0, most = 0, looks = 0, p[3], R[3];
 #if SMG_TIMED
   smg_set_time(&s->c, smg_time_at(s, smg_gauss_node[SMG_STAGES / 2]));
 #endif
   smg_begin_colour(&s->c, 0, &a->piece);
-  (void)smg_next_piece(&s->c, p, &a->piece);
+  (void)smg_next_piece(&s->c, smg_sweep_stage(a, SMG_STAGES / 2, SMG_SLOT_POINT), &a->piece);
   for (int64_t k = 0; k < a->piece.size; k += 1 + a->piece.size / SMG_LOOKS, ++looks) {
-    const smg_real *b = g + k, *q = p + a->piece.start + k;
-    sum += q[0] * b[0] + q[a->pitch] * b[SMG_PIECE_ROOM] + q[2 * a->pitch] * b[2 * SMG_PIECE_ROOM];
-    most = smg_max(most, smg_abs(b[0]) + smg_abs(b[SMG_PIECE_ROOM]) + smg_abs(b[2 * SMG_PIECE_ROOM]));
+    smg_look_at_spin(&s->c, a, k, p, R);
+    sum += p[0] * R[0] + p[1] * R[1] + p[2] * R[2];
+    most = smg_max(most, smg_abs(R[0]) + smg_abs(R[1]) + smg_abs(R[2]));
   }
   a->strength = smg_abs(a->half) * most;
   const smg_real theta = 2 * a->half * a->inverse * sum / looks;
