@@ -3,7 +3,9 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.check.witness import Witness
+from smidgen.compile.emit.emit import generate
 from support.going_on import one_by_one, restored
+from support.strict import MODES, compile_all
 from support.widths import same_in_lanes
 from test_rows import DM, EXCHANGE, lattice
 from test_rows_by_site import KINDS, PLACES, drawn
@@ -53,6 +55,14 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
         monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
         return smidgen.build(SOME, method="gauss-4")
     assert same_in_lanes(built, (2, 4, 8))
+
+
+@pytest.mark.parametrize("compiler, mode", [mode if mode == MODES[0] else pytest.param(*mode, marks=pytest.mark.long) for mode in MODES])
+def test_clean_c(tmp_path, compiler, mode):
+    spec = held("odd square", "warm")
+    for file, text in generate(spec, amalgamate=True, method="gauss-4").items():
+        (tmp_path / file).write_text(text)
+    assert not compile_all(tmp_path, [f"{spec.name}.c"], compiler, "-Wno-psabi", how=mode)
 
 
 @pytest.mark.parametrize("spec", [SOME, pytest.param(held("odd square", "both"), marks=pytest.mark.long)], ids=["all", "held"])

@@ -76,7 +76,7 @@ static void smg_lift_sites(const smg_state *s) {
 }
 
 /* w and what it has lost into slots; empty ones hold a spin that nothing turns, or 0 where a torque would turn it. */
-static void smg_enter_slots(const smg_state *s) {
+static void smg_enter_slots(smg_state *s) {
   smg_real *w = smg_slot_component(s, SMG_SLOT_W);
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot)
     w[2 * smg_pitch(&s->c) + slot] = SMG_PUSHES ? 0 : smg_radius(&s->c, 0);
@@ -85,7 +85,7 @@ static void smg_enter_slots(const smg_state *s) {
   smg_to_slots(s, s->compensation, smg_slot_component(s, SMG_SLOT_LOST));
   smg_lift_sites(s);
 }
-static void smg_leave_slots(const smg_state *s) {
+static void smg_leave_slots(smg_state *s) {
   smg_to_sites(s, smg_slot_component(s, SMG_SLOT_W), s->w);
   smg_put_absent(s, 0);
   smg_to_sites(s, smg_slot_component(s, SMG_SLOT_LOST), s->compensation);
