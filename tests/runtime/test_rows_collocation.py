@@ -57,7 +57,7 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch):
     assert same_in_lanes(built, (2, 4, 8))
 
 
-@pytest.mark.parametrize("compiler, mode", [mode if mode == MODES[0] else pytest.param(*mode, marks=pytest.mark.long) for mode in MODES])
+@pytest.mark.parametrize("compiler, mode", MODES)
 def test_clean_c(tmp_path, compiler, mode):
     spec = held("odd square", "warm")
     for file, text in generate(spec, amalgamate=True, method="gauss-4").items():
