@@ -2,10 +2,12 @@
 import numpy as np
 import pytest
 import smidgen
+from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from support.by_sites import by_sites
 from support.going_on import one_by_one, restored
 from support.widths import same_in_lanes
+from test_field_rows import NEAR
 from test_rows import DM, EXCHANGE, HONEY, SKEW, lattice
 from test_rows_held import ABSENT, PINNED
 from test_rows_in_time import by_rows, field
@@ -26,6 +28,14 @@ QUICK = ("open", "blocks")
 def test_rows_solve_the_step(name):
     """Against the witness, which knows no rows."""
     assert by_rows(SPECS[name]) and close(SPECS[name], 4, 5 if name == "drawn" else None) <= 4e-14
+
+
+@pytest.mark.parametrize("name, method", [("honeycomb", "dormand-prince-8"), ("three colours", "dop853-projected"), *(pytest.param(n, "extrapolation-12", marks=pytest.mark.long) for n in ("blocks", "open"))])
+def test_explicit_methods_evaluate_the_field_by_rows(name, method):
+    model = smidgen.build(SPECS[name], method=method).start("random", h=0.08, t0=0.37)
+    w = model.w.copy()
+    end = Witness(SPECS[name]).steps(w, 0.37, 0.08, 3, method)[-1]
+    assert by_rows(SPECS[name], method) and np.abs(model.steps(3).w - end).max() <= NEAR.get(method, 4e-14)
 
 
 @pytest.mark.long

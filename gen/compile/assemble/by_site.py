@@ -32,7 +32,7 @@ def of_family(model, f) -> str | None:
         return f"`{f.name}` is a family of tracers" if f.tracer else f"`{f.name}` has no bonds of the lattice"
     if f.kind != "sphere":
         return f"`{f.name}` is not a family of spheres"
-    unlike = "kappa" if model.method.splitting == "pairs" and unlike_in(model, "kappa", f) else "radius" if unlike_in(model, "radius", f) and not model.method.of_midpoints else ""
+    unlike = "kappa" if model.method.splitting == "pairs" and unlike_in(model, "kappa", f) else "radius" if unlike_in(model, "radius", f) and not (model.method.of_midpoints or model.method.by_field) else ""
     return f"the {unlike} of `{f.name}` differs from " + ("site to site" if several(getattr(f.family, unlike), getattr(f, unlike)) else "that of another family") if unlike else None
 
 
