@@ -7,6 +7,7 @@ import tokenize
 from pathlib import Path
 
 import pytest
+from smidgen.build.binary import GENERATOR
 from smidgen.methods import NAMES
 from support import imports
 
@@ -41,6 +42,16 @@ def test_the_picture_of_imports_is_that_of_the_sources(arrows):
     """`make imports` draws it anew."""
     text = imports.DOCUMENT.read_text()
     assert imports.written(text, imports.picture(imports.rooms(arrows))) == text
+
+
+def test_a_library_is_found_again_only_by_the_compiler_that_made_it(arrows):
+    """Its digest is of all that the emitter imports, directly or not, but words of errors, where files lie, and old names."""
+    wanted, seen = [m for m in arrows if m[0] == "compile"], set()
+    while wanted:
+        seen.add(module := wanted.pop())
+        wanted += arrows[module] - seen
+    beside = {module[0] if len(module) > 1 else f"{module[0]}.py" for module in seen} - set(GENERATOR)
+    assert beside == {"errors.py", "public.py", "renamed.py", "resources.py"}
 
 
 def test_all_imports_of_modules_are_relative():

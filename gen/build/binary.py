@@ -40,7 +40,7 @@ UNFUSED = ("-fno-tree-slp-vectorize",)       # gcc 12: its vectoriser of straigh
 FAST = (*NATIVE, "-ffp-contract=fast")      # the last word on contraction counts
 REALS = {"double": (), "long double": ("-DSMG_LONG_DOUBLE",)}
 LIBRARY = "model.so"
-GENERATOR = ("methods.py", "version.py", "language", "read", "compile")     # what decides the generated text, beside templates and runtime
+GENERATOR = ("methods.py", "version.py", "language", "effects", "read", "compile")     # what decides the generated text, beside templates and runtime
 
 
 @dataclasses.dataclass(frozen=True)

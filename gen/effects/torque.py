@@ -140,11 +140,16 @@ class Torque(Term, Effect):
 
     def contribution(self, spec: Spec, method) -> Contribution:
         """In closed form, part of the response of its sites; or a field that it adds to their gradients."""
-        found, family = None if method and method.across else closed(self, spec), family_of(spec, self.on.family)
+        found, family = None if method and (method.across or method.by_field and self.lags(spec)) else closed(self, spec), family_of(spec, self.on.family)
         if found is None:
             return Contribution(self.name, self.slots, self.over, OF_FIELDS, conservative=False, bends=True)
         strength = times(Num(spec.orientation), family.kappa)
         return Contribution(self.name, self.slots, self.over, conservative=False, push=(*found, strength, family.radius or Num(1)))
+
+    def lags(self, spec: Spec) -> bool:
+        """Does Gilbert's damping act on it? In closed form |w| is r then, which is not so in the stages of methods that leave the sphere."""
+        dampings = [e.contribution(spec, None).response for e in spec.effects if self.on.family in e.damps]
+        return any(law.lag != Num(0) for law in dampings)
 
     def field(self, spec: Spec, drag: Expr, across: bool) -> Expr:
         """o kappa R; where a damping of Landau and Lifshitz, which does not act on torques, adds drag w x R to it, what becomes R by that:

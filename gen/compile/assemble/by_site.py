@@ -50,7 +50,7 @@ def several(formula, kernel) -> bool:
 def of_laws(model, laws) -> str | None:
     """What sites do beside precession; laws: of those that move."""
     effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
-    if model.torques and not (model.method.of_midpoints and model.method.onto_leaf):
+    if model.torques and not (model.method.of_midpoints and model.method.onto_leaf or model.method.takes_fields):
         return f"the torque `{model.torques[0].derived.term.name}` has no closed form"
     if model.responses and not model.method.responds_by_rows:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
