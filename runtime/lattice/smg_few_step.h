@@ -7,9 +7,9 @@
  *
  *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
  *
- * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_SLOWED, since true
- * changes might then shrink as slowly as those that smg_rest.h takes for round-off, and where the increments are longer
- * than the largest component of the state. */
+ * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_CONTRACTS, or above
+ * SMG_SLOWED where the changes did not shrink faster than that, since true changes might then shrink as slowly as those
+ * that smg_rest.h takes for round-off; and where the increments are longer than the largest component of the state. */
 #ifndef SMG_FEW_STEP_H
 #define SMG_FEW_STEP_H
 
@@ -185,28 +185,30 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
   return (whole->stays || next * next <= square) && smg_rest_settled(part, SMG_EPS);
 }
 
-/* Evaluations until then; 0 where they do not settle soon. */
-static int smg_few_settle(smg_state *s, int small) {
+/* Iterates until then: up to which row sums of J - I the step is accepted; 0 where it does not settle soon. Changes that
+ * are round-off of the field, whose terms may cancel, need not shrink. */
+static smg_real smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
     const smg_few_motion moved = smg_few_evaluate(s, small, 0);
     const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
     const int still = smg_still(change, s->scale);
-    if (n > 3 && !still && !(change <= SMG_CONTRACTS * whole.now)) return 0;
+    if (n > 3 && !(change <= SMG_CONTRACTS * whole.now) && !smg_swept_to_round_off(change, s->scale)) return 0;
     smg_rest_take(&whole, change, still);
     smg_rest_take(&part, smg_lane_largest(moved.part), still);
     s->report.iterations = n;
-    if (smg_few_settled(s, &whole, &part, smg_lane_largest(moved.size))) return 1;
+    if (smg_few_settled(s, &whole, &part, smg_lane_largest(moved.size)))
+      return whole.rate < SMG_SLOWED ? SMG_CONTRACTS : SMG_SLOWED;
   }
   return 0;
 }
 
 /* The last evaluation: do its increments solve the step, and on the right branch? */
-static int smg_few_solved(smg_state *s) {
+static int smg_few_solved(smg_state *s, smg_real rows) {
   const smg_few_motion moved = smg_few_evaluate(s, 0, 1);
   s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
   const int solved = smg_swept_to_round_off(s->report.residual, s->scale) || smg_tolerated(s, s->report.residual);
-  return solved && smg_lane_largest(moved.row) <= SMG_SLOWED && smg_lane_largest(moved.products) <= s->scale * s->scale;
+  return solved && smg_lane_largest(moved.row) <= rows && smg_lane_largest(moved.products) <= s->scale * s->scale;
 }
 
 #if SMG_UNIT == 2
@@ -219,7 +221,8 @@ SMG_LINKED smg_status smg_few_iterate(smg_state *s, smg_real h) {
     s->newton_steps -= !SMG_SWEPT;
     return SMG_NO_CONVERGENCE;
   }
-  if (smg_few_settle(s, smg_few_enter(s, h)) && smg_few_solved(s)) {
+  const smg_real rows = smg_few_settle(s, smg_few_enter(s, h));
+  if (rows > 0 && smg_few_solved(s, rows)) {
     smg_few_leave(s);
     return SMG_OK;
   }
