@@ -121,3 +121,13 @@ def test_steps_and_energies_are_those_of_the_witness(method):
 def test_the_generated_text_says_which_effects_there_are():
     files = generate(split(3))
     assert "e0, e1, e2" in files["many.h"] and all(f"many_energy_e{k}" in files["many.h"] for k in range(3))
+
+
+def test_a_neighbour_in_terms_of_several_effects_is_taken_once():
+    """Biquadratic exchange beside exchange: its bonds stay terms of their own, but six neighbours are taken, not twelve."""
+    over = 'over = "bond(i, j) of cubic(6, 6, 6, {})"'
+    text = '[model]\nname = "m"\n[space]\nw = {{ sphere = 216 }}\n[effects.a]\n{0}\nenergy = "-dot(w[i], w[j])"\n[effects.b]\n{0}\nenergy = "-0.2*dot(w[i], w[j])^2"\n'
+    for boundary, times in (("periodic", 6), ("open", 12)):
+        source = generate(smidgen.load_text(text.format(over.format(boundary))))["m.c"]
+        gradient = source[source.index("void smg_slot_gradient"):].partition("\n}")[0]
+        assert gradient.count("smg_take_beside(") == times

@@ -357,15 +357,26 @@ def row_part(model, sub: int) -> tuple:
 
 
 def terms_of_place(model, sub: int) -> tuple:
-    beside = neighbours(model, sub)
+    """Neighbours in several terms are taken once, those of one term where it needs them."""
+    known, shared = neighbours(model, sub), shared_neighbours(model, sub)
     own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "start") + Index("j"), Name("own"))))
-    return (*own, *(line for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for line in one_term(model, t, k, bond, beside, sub)))
+    loads = (line for one in shared for n in (known.index(one),) for line in (Variable("smg_lanes", f"b{n}[3]"), taken(one, n, f"b{n}")))
+    terms = ((t, k, bond) for t, k in row_roles(model) for bond in bonds_of(t, k, sub))
+    return (*own, *loads, *(line for term in terms for line in one_term(model, *term, known, sub, shared)))
 
 
-def one_term(model, t, k: int, bond, known: list, sub: int) -> list:
+def shared_neighbours(model, sub: int) -> list:
+    """What stands beside all sites of a place and takes part in several terms."""
+    found = [beside(t, bond, k, q) for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
+    everywhere = [one for one in dict.fromkeys(found) if not any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset))]
+    return [one for one in everywhere if found.count(one) > 1]
+
+
+def one_term(model, t, k: int, bond, known: list, sub: int, shared=()) -> list:
     """Of a term that differs from site to site, with its values."""
     one = numbers_in(model, t, k, bond, sub)
-    return term_of_row(t, k, bond, known) if one is None else [Scope((*taken_values(one), *term_of_row(t, k, bond, known, names(one))))]
+    lines = term_of_row(t, k, bond, known, names(one) if one else (), shared)
+    return lines if one is None else [Scope((*taken_values(one), *lines))]
 
 
 def numbers_in(model, t, k: int, bond, sub: int):
@@ -385,15 +396,22 @@ def bonds_of(t, k: int, sub: int) -> list:
     return [bond for bond in t.over.bonds if bond[position][0] == sub]
 
 
-def term_of_row(t, k: int, bond, known: list, values=()) -> list:
-    """The statements that add the gradient of one term; values: names of what differs from site to site."""
-    others = [q for q in range(len(t.slots)) if q != k]
-    found = [(q, beside(t, bond, k, q)) for q in others]
-    points = [Name("own" if q == k else f"v{q}") for q in range(len(t.slots))]
+def term_of_row(t, k: int, bond, known: list, values=(), shared=()) -> list:
+    """The statements that add the gradient of one term; values: names of what differs from site to site;
+    shared: neighbours that are taken already."""
+    found = [(q, beside(t, bond, k, q)) for q in range(len(t.slots)) if q != k]
+    at = {q: f"b{known.index(one)}" if one in shared else f"v{q}" for q, one in found} | {k: "own"}
+    points = [Name(at[q]) for q in range(len(t.slots))]
     outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
-    lines = [line for q, one in found for line in (Variable("smg_lanes", f"v{q}[3]"), Zeros(f"o{q}", 3), taken(one, known.index(one), f"v{q}"))]
+    lines = [line for q, one in found for line in taken_neighbour(one, known.index(one), q, one in shared)]
     lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs, *map(Name, values))))
     return where_there(found, known, lines)
+
+
+def taken_neighbour(one: Beside, n: int, q: int, shared: bool) -> tuple:
+    """The neighbour in slot q of a term, where it is not taken yet, and its own gradient, which nothing asks for."""
+    rest = Zeros(f"o{q}", 3)
+    return (rest,) if shared else (Variable("smg_lanes", f"v{q}[3]"), rest, taken(one, n, f"v{q}"))
 
 
 def where_there(found, known: list, lines) -> list:
