@@ -150,6 +150,14 @@ class Graph:
     def bound(self):
         return (self.first, self.second)
 
+    def __hash__(self):
+        return self.hashed
+
+    @cached_property
+    def hashed(self) -> int:
+        """Computed once, since a million edges take a tenth of a second; of numbers alone, so that it is the same in every process."""
+        return hash(self.edges)
+
     @cached_property
     def highest(self) -> int:
         """The largest number of a site that an edge meets; -1 without edges."""

@@ -206,24 +206,28 @@ def plain_rows(text: str, columns: int) -> list[tuple] | None:
     cell by cell, to take it in or to say what is wrong."""
     lines = text.split("\n")
     body = lines[all(c.strip().isidentifier() for c in lines[0].split(",")):-1 if not lines[-1] else None]
-    try:
-        rows = [tuple(map(plain_number, line.split(","))) for line in body] if text.isascii() else []
-    except ValueError:
+    wide = body[0].count(",") + 1 if body else 0
+    if wide < columns or not text.isascii() or any(line.count(",") != wide - 1 for line in body):
         return None
-    same = rows and len(rows[0]) >= columns and all(len(row) == len(rows[0]) for row in rows)
-    return rows if same else None
+    cells = ",".join(body).split(",")
+    found = [plain_numbers(cells[k::wide]) for k in range(wide)]
+    return None if None in found else list(zip(*found))
 
 
-def plain_number(cell: str):
-    """Raises ValueError where the cell is none of ordinary size."""
-    if len(cell) < 16 and cell.isdigit():
-        return int(cell)
-    if len(cell) > 40 or not CELL.match(cell):
-        raise ValueError(cell)
-    value = float(cell) if set(cell) & set(".eE") else int(cell)
-    if number_trouble(value):
-        raise ValueError(cell)
-    return value
+def plain_numbers(cells: list[str]) -> list | None:
+    """Those of one column; None where one is no number of ordinary size."""
+    if max(map(len, cells)) < 16 and all(map(str.isdigit, cells)):
+        return list(map(int, cells))
+    if max(map(len, cells)) > 40 or not all(map(CELL.match, cells)):
+        return None
+    values = [float(c) if "." in c or "e" in c or "E" in c else int(c) for c in cells]
+    return None if untried(values) and any(map(number_trouble, values)) else values
+
+
+def untried(values: list) -> bool:
+    """Is a number so large or small that number_trouble() must tell?"""
+    sizes = np.abs(np.array(values, float))
+    return not (sizes.max() <= limits.INTEGER and sizes.min(where=sizes > 0, initial=1.0) >= limits.SMALLEST)
 
 
 def neighbour(path: Path, folder: str, ending: str | None = None) -> str:

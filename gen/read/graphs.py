@@ -1,6 +1,8 @@
 """Graphs: edge tables in files, `edge(i, j, K) of g`."""
 from __future__ import annotations
 
+from operator import itemgetter
+
 from ..language import limits
 from ..language.expr import Num
 from ..language.spec import Graph
@@ -64,7 +66,7 @@ class Graphs:
     def placed_rows(self, node: Node) -> tuple:
         """(edges, where its sites stand or None)."""
         rows, places = self.problems.together(lambda: self.rows(node), lambda: self.positions(node.get("positions")) if node.has("positions") else None)
-        highest = max(max(row[:2]) for row in rows)
+        highest = max(max(map(itemgetter(k), rows)) for k in (0, 1))
         if places is not None and highest >= len(places):
             node.get("positions").wrong(codes.COUNT, f"{len(places)} positions, but an edge names site {highest}", "give one for each site; they are counted from 0")
         return rows, places
@@ -83,8 +85,8 @@ class Graphs:
     def home(self, node: Node) -> tuple:
         """(the number of its sites, itself) for a family that lies on a graph."""
         rows, places = self.known[node.raw], self.places[node.raw]
-        edges = tuple((r[0], r[1]) for r in rows)
-        return Num(len(places) if places else 1 + max(max(e) for e in edges)), Graph("", "", edges, (), "", places)
+        edges = tuple(map(itemgetter(0, 1), rows))
+        return Num(len(places) if places else 1 + max(map(max, edges))), Graph("", "", edges, (), "", places)
 
     def over(self, w, reader) -> Graph:
         family, name = reader.home(w), w.target.text
@@ -97,9 +99,8 @@ class Graphs:
         if not 2 <= len(names) <= len(rows[0]):
             self.problems.fail(codes.OVER, w.head.span, f"graph `{name}` has {len(rows[0])} "
                                f"columns, but {len(names)} are named", f"write `edge(i, j) of {name}`, followed by a name for each weight that is used")
-        columns = tuple((n, tuple(float(r[k + 2]) for r in rows))
-                        for k, n in enumerate(names[2:]))
-        return Graph(names[0], names[1], tuple((r[0], r[1]) for r in rows), columns, family, self.places[name])
+        columns = tuple((n, tuple(map(float, map(itemgetter(k + 2), rows)))) for k, n in enumerate(names[2:]))
+        return Graph(names[0], names[1], tuple(map(itemgetter(0, 1), rows)), columns, family, self.places[name])
 
 
 def doubled(rows) -> tuple[int, int]:

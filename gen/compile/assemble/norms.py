@@ -86,10 +86,10 @@ def share_tables(model) -> list:
 def shares(edges):
     """Nearly the eigenvector of A of its largest eigenvalue, by powers of A + a/2, a the mean number of neighbours: of a bipartite graph A
     alone has another one as large."""
-    d = np.ones(int(edges.max()) + 1)
+    d, ends = np.ones(int(edges.max()) + 1), edges.T.copy()
     mean = 2 * len(edges) / len(d)
     for _ in range(ROUNDS):
-        d = sum(np.bincount(edges[:, a], d[edges[:, 1 - a]], len(d)) for a in (0, 1)) + mean / 2 * d
+        d = sum(np.bincount(ends[a], d[ends[1 - a]], len(d)) for a in (0, 1)) + mean / 2 * d
         d /= d.max()
     return np.maximum(d, 1e-6)
 

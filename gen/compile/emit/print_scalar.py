@@ -3,7 +3,7 @@ say what they print otherwise, in a class over this one.
 """
 from __future__ import annotations
 
-from itertools import groupby
+from itertools import chain, groupby
 
 from sympy.logic.boolalg import Boolean
 
@@ -262,10 +262,10 @@ class Scalar:
         return [f"typedef struct {d.name} {{", f"  {self.real} {', '.join(d.members)};", f"}} {d.name};"]
 
     def define_table(self, d):
-        show = number if d.kind == "double" else str
-        rows = map(show, d.values)
+        values = chain.from_iterable(d.values) if d.columns else d.values
+        rows = map(repr, map(float, values)) if d.kind == "double" else map(str, values)      # number() of many
         if d.columns:
-            rows = ("{" + ", ".join(map(show, row)) + "}" for row in d.values)
+            rows = ("{" + ", ".join(row) + "}" for row in zip(*[rows] * d.columns))
         shape = f"[][{d.columns}]" if d.columns else "[]"
         return [f"static const {d.kind} {d.name}{shape} = {{{', '.join(rows)}}};"]
 

@@ -357,6 +357,10 @@ class Table(Node):
     columns: int = 0
     wanted: bool = False
 
+    def parts(self) -> list:
+        """None: values are numbers."""
+        return []
+
 
 # What a tree says
 

@@ -61,7 +61,7 @@ def symbolic(size: int, edges, limit: int | None = None) -> Pattern:
     Raises TooMuchFill as soon as the factors are sure to hold more than `limit` blocks, and
     ValueError for an edge that leaves the sites. Same input, same output.
     """
-    edges = np.asarray(list(edges), dtype=np.int64).reshape(-1, 2)
+    edges = np.asarray(edges if isinstance(edges, np.ndarray) else list(edges), dtype=np.int64).reshape(-1, 2)
     if limit is not None and size + 2 * _distinct(edges) > limit:
         raise TooMuchFill(f"the factors need more than {limit} blocks")
     if edges.size and (edges.min() < 0 or edges.max() >= size):
@@ -136,4 +136,5 @@ def _pattern(size: int, edges: np.ndarray, order: list[int], higher: dict) -> Pa
 
 def _distinct(edges: np.ndarray) -> int:
     low, high = edges.min(axis=1), edges.max(axis=1)
-    return len(np.unique((low * (high.max(initial=0) + 1) + high)[low != high]))
+    keys = np.sort((low * (high.max(initial=0) + 1) + high)[low != high])
+    return int(np.count_nonzero(np.diff(keys, prepend=-1)))
