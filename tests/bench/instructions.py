@@ -7,6 +7,8 @@
 Each model is compiled once, for any processor of this architecture (no -march=native), and takes N and 2 N steps under callgrind: the difference, divided by N (and by
 the members of an ensemble), is what a step costs once the history is full. `--against` prints the ratios to another table; the exit code is 1 where one is
 above --limit. Counts of one compiler are the same on every machine; those of two are not to be compared.
+Where round-off decides in which step there is one iteration more, N is so large that this hardly counts: a run of 16 spins takes 108 iterations by Newton in one hundred
+steps and 122 in the next.
 """
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -94,7 +96,8 @@ def lattices() -> list:
     found += [lattice(*one, 0.0247, "site to site", flags=BY_SITES) for one in (small, flat)] + [lattice(*one, 0.1, "site to site", flags=BY_SITES) for one in rings]
     found += [lattice(*one, 0.0247, "rows", method="sublattice-rotations") for one in (small, large, flat)]
     found += [lattice(*one, 0.0247, "rows", method="pair-rotations") for one in (small, large)]
-    found += [lattice(*small, 0.1, "rows", method=method) for method in ("gauss-4", "gauss-8", "spherical-midpoint-4", "sublattice-rotations-4")]
+    found += [replace(lattice(*small, 0.1, "rows", method="gauss-4"), steps=24)]
+    found += [lattice(*small, 0.1, "rows", method=method) for method in ("gauss-8", "spherical-midpoint-4", "sublattice-rotations-4")]
     found += [lattice(*small, 0.0247, "rows, damped", DAMPED), lattice(*small, 0.0247, "rows, thermal", WARM)]
     return found
 
@@ -103,7 +106,7 @@ def few(folder: str) -> list:
     """Rows of few.csv, scaling.csv and dop853.csv, and one body."""
     random_graph(folder)
     sites = [Kernel("point_vortices"), Kernel("spins 16", text=SPINS), Kernel("random graph", text=str(Path(folder, "graph.toml")), steps=4)]
-    sites += [Kernel("point_vortices", layout="newton", solver="newton"), Kernel("spins 16", layout="newton", solver="newton", text=SPINS)]
+    sites += [Kernel("point_vortices", layout="newton", solver="newton"), Kernel("spins 16", layout="newton", solver="newton", steps=400, text=SPINS)]
     sites += [Kernel(name, values=values, steps=10) for name, values in (("heisenberg_chain", (("n", 100),)), ("j1j2_chain", (("n", 100),)),
                                                                          ("cubic_lattice", (("nx", 5), ("ny", 5), ("nz", 4))), ("honeycomb", (("nx", 10), ("ny", 5))))]
     methods = ("dop853", "extrapolation-12", "gauss-4", "gauss-8", "spherical-midpoint-4", "classical-midpoint", "cf4", "rattle")
