@@ -13,6 +13,7 @@ import re
 from smidgen.effects.damping import FORMS
 from smidgen.methods import DEFAULT, METHODS
 
+from .by_rows import row_text
 from .drawn import COMPOSED, FREE, SINGLE, SPLIT, comments
 from .invent import Inventor, any_space, quoted
 
@@ -25,9 +26,14 @@ HEATS = ("0.4", "abs(a)", "q*(1 + mod(k, 2))", "0*a", "300")      # the last: ve
 
 
 def spec_text(dice) -> str:
-    """The text of a random spec: nearly half are of any space, the others of one layout; a fourth of those that can be are damped, half of these
+    """The text of a random spec: a third are lattices that must go by rows (`fuzz.by_rows`), drawn by dice of their own; of the others nearly half
+    are of any space, the rest of one layout; a fourth of those that can be are damped, half of these
     with thermal noise; a fourth are moved by torques; a fourth have random numbers, a fourth sites that are pinned or absent, and a third of the lattices two families."""
-    text = doubled(dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice))
+    text = dice.choice((any_space,) * 6 + (free_body, single_sphere, few_spheres, few_spheres, rows, rows, blocks, wavefront))(dice)
+    own = random.Random(text + "a lattice")
+    if own.randint(0, 2) == 0:
+        return row_text(own)
+    text = doubled(text)
     text = warmed(damped(dice, text)) if dice.randint(0, 3) == 0 else text
     return held(disordered(pushed(dice, text) if dice.randint(0, 3) == 0 else text))
 

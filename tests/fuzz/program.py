@@ -2,7 +2,7 @@
 
 It prints the numbers of the start, each state of COUNT steps, and whether the same bits come of a state saved halfway and restored into a
 model that stood elsewhere, of COUNT steps in one call, and of each member of an ensemble beside the same state alone; then how the steps
-went, by rows, in blocks, .. One line for each: `name number number ..` in hexadecimal.
+went, by rows, in blocks, .. A word, if it is given one, is another h. One line for each: `name number number ..` in hexadecimal.
 """
 from __future__ import annotations
 
@@ -48,16 +48,20 @@ static int same(smg_real *a, smg_real *b, size_t n) {{
 enum {{ SITES, SINGLE_SPHERE, FEW_IN_LANES, ROWS, BLOCKS, WAVEFRONTS }};
 
 static int layout(const smg_state *s) {{
-#if defined(SMG_ROW_STAGES) && SMG_LANES == 1
+#if (defined(SMG_ROW_STAGES) || defined(SMG_ROW_FIELDS)) && SMG_LANES == 1
   (void)s;
   return SITES;
-#elif defined(SMG_ROW_STAGES)
+#elif defined(SMG_ROW_STAGES) || defined(SMG_ROW_FIELDS)
   (void)s;
   return ROWS;
 #elif defined(SMG_BY_ROWS)
 #if !SMG_ROW_TURNS
   smg_row_wave wave;
-  if (s->rows && smg_wave_pays(s, &wave)) return WAVEFRONTS;
+  smg_state first = *s;     /* between steps a composition has no stage */
+#if SMG_COMPOSED
+  first.stage = 0;
+#endif
+  if (s->rows && smg_wave_pays(&first, &wave)) return WAVEFRONTS;
 #endif
   return !s->rows ? SITES : s->row_beside ? BLOCKS : ROWS;
 #elif SMG_SINGLE_SPHERE
@@ -76,8 +80,8 @@ static int layout(const smg_state *s) {{
 static const double start[] = {{ {start} }};
 {tables}
 
-int main(void) {{
-  const double t0 = {t0}, h = {h};
+int main(int given, char **word) {{
+  const double t0 = {t0}, h = given > 1 ? strtod(word[1], NULL) : {h};
   {M}_params p;
   {M}_model model;
   {M}_state s, r;

@@ -2,6 +2,7 @@
 
     python -m fuzz.specs --count 2000 --seed 0 --jobs 2     # continues where it stopped
     python -m fuzz.specs --scenes --count 1000              # scenes, which build on other files and use pieces
+    python -m fuzz.specs --rows --count 1000                # lattices that must go by rows, alone
     python -m fuzz.specs --spec FILE                        # one saved text again
 
 One line a spec goes to out/fuzz/specs.csv; a table closes the run. What is found lies in out/fuzz/specs/SEED: the whole
@@ -32,6 +33,7 @@ import smidgen
 from smidgen.build.binary import generator_digest
 from smidgen.check.witness import Witness
 
+from .by_rows import row_text
 from .invent import files_of
 from .layouts import spec_text
 from .scenes import scene_text
@@ -178,8 +180,8 @@ def place(problem) -> str:
 def code() -> str:
     """What the verdicts depend on: the generator, the witness and this target."""
     here = Path(__file__).parent
-    parts = [here / n for n in ("invent.py", "layouts.py", "scenes.py", "pieces.py", "drawn.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
-    parts += sorted(Path(smidgen.__file__).parent.joinpath("witness").glob("*"))
+    parts = [here / n for n in ("invent.py", "layouts.py", "by_rows.py", "scenes.py", "pieces.py", "drawn.py", "through.py", "program.py", "differential.py")] + [here.parent / "support" / "random_specs.py"]
+    parts += sorted(Path(smidgen.__file__).parent.joinpath("check", "witness").glob("*"))
     return hashlib.sha256(b"".join([generator_digest().encode(), *(p.read_bytes() for p in parts if p.is_file())])).hexdigest()[:10]
 
 
@@ -274,6 +276,8 @@ def closing(rows, path) -> str:
     lines += [f"{len(k):5} {stage}: {said} (seeds {', '.join(k[:5])}; {path.with_suffix('') / k[0]})"
               for (stage, said), k in sorted(faults.items(), key=lambda x: -len(x[1]))]
     verdicts, seconds = collections.Counter(r["verdict"] for r in rows), [float(r["seconds"] or 0) for r in rows]
+    ways = collections.Counter(f"{r['layout'] or 'none'}, {r['method']}" for r in rows)
+    lines.append("layout, method: " + "; ".join(f"{n} {way}" for way, n in sorted(ways.items())))
     lines.append(f"{len(rows)} specs: {verdicts['fine']} fine, {verdicts['refused']} with a refused step, {verdicts['fault']} faults of "
                  f"{len(faults)} kinds; {sum(seconds)/max(1, len(rows)):.1f} s of processor time each, {max(seconds, default=0):.0f} s the longest")
     return "\n".join(lines)
@@ -293,21 +297,23 @@ def main(words=None):
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--scenes", action="store_true", help="specs that build on others, with pieces and files (fuzz.scenes)")
-    parser.add_argument("--out", type=Path, help="default: specs.csv or scenes.csv in out/fuzz")
+    parser.add_argument("--rows", action="store_true", help="lattices that must go by rows, alone (fuzz.by_rows)")
+    parser.add_argument("--out", type=Path, help="default: specs.csv, scenes.csv or rows.csv in out/fuzz")
     parser.add_argument("--shrink", type=float, default=120, help="seconds to look for a smaller text of a fault; 0: none")
     parser.add_argument("--spec", help="a saved text, alone")
     args = parser.parse_args(words)
     if args.spec:
         return one_again(args.spec)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))      # the processes of the specs end with it
-    args.out = args.out or OUT / ("scenes.csv" if args.scenes else "specs.csv")
+    name, draw = ("scenes", scene_text) if args.scenes else ("rows", row_text) if args.rows else ("specs", spec_text)
+    args.out = args.out or OUT / f"{name}.csv"
     args.out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as cache:
         os.environ["SMIDGEN_CACHE"] = cache
         Witness(smidgen.load_text(FIRST))           # compiled here, once
         count = 10 ** 9 if args.seconds else args.count
         until = time.monotonic() + args.seconds if args.seconds else float("inf")
-        many(range(args.seed, args.seed + count), args.jobs, args.out, until, scene_text if args.scenes else spec_text)
+        many(range(args.seed, args.seed + count), args.jobs, args.out, until, draw)
         rows = [r for r in rows_of(args.out) if r["code"] == code() and args.seed <= int(r["seed"]) < args.seed + count]
         shrink(rows, args.out, args.shrink) if args.shrink else None
     print(closing(rows, args.out))

@@ -50,6 +50,7 @@ SANITIZE = (CALLS, "-ffp-contract=off", "-fsanitize=address,undefined", "-fsanit
 STRICT = ("-ffp-contract=off", "-Wno-psabi", *WARNINGS)
 STANDARD = ("-std=c11", "-fno-math-errno")
 LAYOUTS = ("sites", "single sphere", "few in lanes", "rows", "blocks", "wavefronts")      # in the order of fuzz.program
+SMALLER = 3         # times that h becomes an eighth of itself until a lattice goes by rows
 DENSE = 60          # sites: beyond, a midpoint's steps are judged by their residuals, for the witness's matrix is dense
 DIGEST = re.compile(r"from spec \w+")     # of a text, in the first comment
 EDGES = re.compile(r"\b(if|mod|floor|abs|min|max)\(")
@@ -95,6 +96,7 @@ class Passage:
         self.text, self.where, self.stage, self.change = text, where, stage, change
         self.dice, self.features = np.random.default_rng(len(text)), features_of(text)
         self.program_by, self.shared_by = builds_of(text)
+        self.meant = said(text, "goes") == "by rows"
         self.found = found
         found.update(verdict="fine", note="", program=" ".join(self.program_by), library=" ".join(self.shared_by))
 
@@ -144,6 +146,8 @@ class Passage:
         self.same = [p.default for p in first.parameters] == [p.default for p in self.scene.parameters]
         self.defaults = self.files if self.same else self.generated(first)
         self.found["solver"] = self.files.notes["solver"]
+        if self.meant and "site by site" in self.files.notes["reason"]:
+            raise Fault(f"it goes {self.files.notes['reason'].rpartition('; ')[2]}")
 
     def at_defaults(self):
         """The scene of the spec's own numbers, but for what is compiled in; the run's where such a list has another size."""
@@ -194,7 +198,7 @@ class Passage:
         self.exact = self.same and (not CALLED.search(self.text) or self.program_by == self.shared_by)
         compiler, level = self.program_by
         ran(here, compiler, *COMPILERS[compiler], level, *SANITIZE, *said(self.text, "define").split(), "-I.", *include_flags(), "main.c", "-o", "program", "-lm")
-        told = numbers_of(ran(here, "./program"))
+        told = self.in_lanes(here, numbers_of(ran(here, "./program")))
         if told["check"][0] or told["init"][0]:
             return self.refused(f"check {told['check'][0]:g}, init {told.get('init', [0])[0]:g}")
         for name, fault in SAME.items():
@@ -202,6 +206,19 @@ class Passage:
                 raise Fault(fault)
         self.said = told
         self.found["layout"] = LAYOUTS[int(told["layout"][0])] + ("" if "lanes" not in told else ", ensemble" + " in lanes" * int(told["lanes"][0] > 1))
+
+    def in_lanes(self, here, told) -> dict:
+        """What the program says, of a lattice that is meant to go by rows at an h that is small enough for it. Splittings go so where the colours fit a ring."""
+        if not self.meant or METHODS[self.settings.method].splitting:
+            return told
+        for _ in range(SMALLER):
+            if told.get("layout", [1])[0]:
+                break
+            self.h, self.small = self.h / 8, True
+            told = numbers_of(ran(here, "./program", self.h.hex()))
+        if not told.get("layout", [1])[0]:
+            raise Fault("it goes site by site, however small h is")
+        return told
 
     def shared_library(self):
         """The library that Python calls, compiled with every warning an error, but for functions of the other unit: the numbers of the program."""

@@ -49,6 +49,12 @@ def largest_ever(low, e, ends=NO_ENDS):
     return extent(low, in_cosines(e), ends)[1] if varies(low, e, ends) else e
 
 
+def expanded(e):
+    """Multiplied out, but for exponentials: exp(-(t - 1)^2) has a bound at all times, its factor exp(2 t) has none."""
+    held = {x: sp.Dummy(real=True) for x in sp.sympify(e).atoms(sp.exp)}
+    return sp.expand(sp.sympify(e).xreplace(held)).xreplace({symbol: x for x, symbol in held.items()})
+
+
 def in_cosines(e):
     """cos^2 + sin^2 = 1 below a root, of short formulas: a field that goes around is no larger than one that stands."""
     squares = {p: 1 - sp.cos(p.base.args[0]) ** 2 for p in e.atoms(sp.Pow) if p.exp == 2 and isinstance(p.base, sp.sin)}

@@ -9,7 +9,7 @@ import sympy as sp
 
 from ..derive.derivatives import is_real, scalar
 from ..derive.parts import is_large
-from .extent import MOST, OneTime, largest, largest_ever, varies
+from .extent import MOST, OneTime, expanded, largest, largest_ever, varies
 from .norms import isotropic, spectral_bound
 
 
@@ -25,11 +25,11 @@ class Spins:
 
     def named(self, e):
         """With their symbols for products of vectors that stand there as such, expanded."""
-        return sp.expand(e.subs({self.written_out(p): p for p in self.products}))
+        return expanded(e.subs({self.written_out(p): p for p in self.products}))
 
     def in_lengths(self, e):
         """A polynomial with |v|^2 - v.x^2 - v.y^2 in place of v.z^2."""
-        e = sp.expand(e)
+        e = expanded(e)
         for p, (v, w) in self.products.items():
             e = replaced(e, p, v, w) if v == w else e
         return e
@@ -40,13 +40,13 @@ class Spins:
         for p, (v, w) in self.products.items():
             e = min(e, replaced(e, p, v, w), key=terms)
         for x in sp.Add.make_args(e):
-            rest = min(((block - y * sp.eye(3)).applyfunc(sp.expand) for y in (x, self.written_out(x))), key=all_terms)
+            rest = min(((block - y * sp.eye(3)).applyfunc(expanded) for y in (x, self.written_out(x))), key=all_terms)
             if not x.free_symbols & self.components and all_terms(rest) < all_terms(block):
                 scale, block = scale + x, rest
         return scale, block
 
     def written_out(self, e):
-        return sp.expand(e.xreplace({p: sum(map(sp.Mul, v, w)) for p, (v, w) in self.products.items()}))
+        return expanded(e.xreplace({p: sum(map(sp.Mul, v, w)) for p, (v, w) in self.products.items()}))
 
     def of_components(self, e) -> bool:
         """Is it a polynomial of components?"""
@@ -69,7 +69,7 @@ def all_terms(block) -> int:
 
 def replaced(e, product, v, w):
     """e with that symbol in place of v.z w.z, and the rest of the product taken off it."""
-    return sp.expand(e.subs(v[2] * w[2], product - v[0] * w[0] - v[1] * w[1]))
+    return expanded(e.subs(v[2] * w[2], product - v[0] * w[0] - v[1] * w[1]))
 
 
 def bounds_of_terms(low, terms, radii, stepped: bool) -> tuple:

@@ -86,7 +86,7 @@ def rows(model, low):
     if why_not is not None:
         return why_not
     if paired(model):
-        return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound"
+        return pair_rows(model, low, over) or "the derivatives of its bond energies have no bound, or differ from bond to bond"
     return held_rows(rows_of(model, low, over, whole_terms(model, low), differing(model, laws)), model, low, next(iter(laws.values()), None))
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 from .code import Call, Function, Let, Name, Table, Value, Zeros, mentions, walk
-from .integers import Node
+from .integers import Computed, Node
 
 
 def trim(definitions, bodies) -> tuple[list, list]:
@@ -38,7 +38,7 @@ def renamed(node, same: dict):
     if isinstance(node, Table):
         return node
     found = rebuilt(node, lambda part: renamed(part, same))
-    return replace(found, function=same[found.function]) if isinstance(found, Call) and found.function in same else found
+    return replace(found, function=same[found.function]) if isinstance(found, (Call, Computed)) and found.function in same else found
 
 
 def unused_arguments(definitions, bodies) -> dict:
@@ -66,7 +66,7 @@ def without(node, unused: dict):
     found = rebuilt(node, lambda part: without(part, unused))
     if isinstance(found, Function):
         return replace(found, arguments=others(found.arguments, unused.get(found.name)), body=used_constants(found.body))
-    if isinstance(found, Call) and found.function in unused:
+    if isinstance(found, (Call, Computed)) and found.function in unused:
         return replace(found, args=others(found.args, unused[found.function]))
     return found
 

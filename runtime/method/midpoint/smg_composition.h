@@ -33,7 +33,7 @@ struct smg_row_call; /* there is none */
 typedef smg_state smg_before;
 
 static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_call *rows) {
-  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
+  const int64_t n3 = 3 * smg_sites(&s->c);
 #if SMG_SINGLE_SPHERE
   /* The rows of a step fit below the newest one: those of the steps before stay as they are until the next begins. */
   if (s->row < SMG_COMPOSED) {
@@ -41,19 +41,21 @@ static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_ca
     s->row = SMG_ROWS - SMG_HISTORY;
   }
 #endif
+  *b = *s;
+  if (rows) return; /* they have no s->before */
   smg_copy(s->before, s->w, n3);
   smg_copy(s->before + n3, s->compensation, n3);
-  *b = *s;
 }
 
 static inline void smg_give_back(smg_state *s, const smg_before *b, const struct smg_row_call *rows) {
-  const int64_t n3 = rows ? 0 : 3 * smg_sites(&s->c);
+  const int64_t n3 = 3 * smg_sites(&s->c);
   const smg_report report = s->report;
   *s = *b;
   s->report = report;
 #if SMG_BY_ROWS
   s->row_due = 0; /* the first stage has added what the step before had left */
 #endif
+  if (rows) return;
   smg_copy(s->w, s->before, n3);
   smg_copy(s->compensation, s->before + n3, n3);
 }
