@@ -246,10 +246,10 @@ def strengths(d):
     if not pair(d) and d.takes(1) and d.chance(3):
         d.space["w"] = [k for k in d.space["w"] if not k.startswith("kappa")] + [f"kappa = {d.dice.choice(KAPPAS)}"]
     radii = {tuple(k for k in d.space[name] if k.startswith("radius")) for name in d.names}
-    one = d.method.of_midpoints
+    one = d.method.of_midpoints or d.method.by_field
     if len(radii) > 1 and not (one and d.takes(1)):
         d.space["v"] = [k for k in d.space["v"] if not k.startswith("radius")] + [k for k in d.space["w"] if k.startswith("radius")]
-    if one and not d.curved and d.chance(4) and d.takes(1):
+    if one and (d.method.by_field or not d.curved) and d.chance(4) and d.takes(1):
         d.space["w"] = [k for k in d.space["w"] if not k.startswith("radius")] + [f"radius = {d.dice.choice(RADII)}"]
 
 
@@ -267,7 +267,7 @@ def held(d):
     if not (responds(d) and d.chance(3) and d.takes(1)):
         return
     for _ in range(d.dice.randint(1, 2)):
-        absent = d.chance(2)
+        absent = d.chance(2) and not any("if(" in e for e in d.effects)       # conditions beside absent sites are no factors of the time alone
         d.effect(f"site(k) of {d.dice.choice(d.names)}", **{"absent" if absent else "pinned": d.dice.choice(ABSENT if absent else PINNED)})
 
 
@@ -289,7 +289,7 @@ def pushed(d):
     if not (responds(d) and d.chance(3)):
         return
     name = d.dice.choice(d.names)
-    if d.method.of_midpoints and not d.landau and d.chance(2):
+    if (d.method.takes_fields and len(d.names) == 1 or d.method.of_midpoints and not d.landau) and d.chance(2):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(OPEN[:3]).replace("{w}", f"{name}[k]"))
         if d.place not in MANY and d.chance(3):
             d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", torque=BESIDE.replace("{w}", name))
