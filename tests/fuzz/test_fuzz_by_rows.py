@@ -82,6 +82,20 @@ def test_it_compiles_without_a_warning(tmp_path, text, method):
     assert compile_all(tmp_path, sorted(f for f in made if f.endswith(".c")), "clang") == ""
 
 
+APART = (HEAD % 'v = { sphere = "n" }\nw = { sphere = "n" }').replace("# goes", "#") + "".join(
+    f'[effects.{name}]\nover = "{over}"\n{what}\n' for name, over, what in (
+        ("one", "bond(i, j) of chain(n, open) on w", 'energy = "normal(3, i, j)*w[i].y*w[j].z"'), ("two", "bond(i, j) of chain(n, open) on v", 'energy = "-0.5*dot(v[i], v[j])"'),
+        ("pulse", "bond(i, j) of chain(n, open) on v", 'energy = "cos(t)*(w_ + dot(v[i], v[j])/3)"'.replace("w_", "v[i].x*v[j].x")), ("field", "site(k) of v", 'energy = "v[k].z"'),
+        ("own", "site(k) of w", 'energy = "w[k].x^2"'), ("gone", "site(k) of v", 'absent = "k == 1"')))
+
+
+def test_terms_on_the_same_bonds_beside_absent_sites():
+    """They are sums where all sites are there, and each for itself where some are not."""
+    spec = smidgen.load_text(APART + "[starts.s.v]\nrandom = 1\n[starts.s.w]\nrandom = 2\n")
+    model = Model(spec, choose(spec, "spherical-midpoint", "auto"))
+    assert model.by_site == "" and all(len(whole.slots) == len(t.slots) for t, whole in ((t, model.in_rows.whole[t.prefix]) for t in model.fields))
+
+
 PULSE = "exp(-(t - 1)^2)*%s"
 
 
