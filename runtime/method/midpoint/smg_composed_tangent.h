@@ -35,9 +35,10 @@ static inline void smg_walk_stage(smg_state *s, SMG_UNUSED int row, int i, smg_r
   s->row = row + SMG_COMPOSED - 1 - i;
   const smg_real *u = smg_last_increment(s, 0);
 #else
-  s->past[0] = s->increments + 3 * smg_sites(&s->c) * i;
 #if SMG_BY_ROWS
-  if (s->rows) s->past[0] = s->row_increments[i];
+  s->past[0] = s->rows ? s->row_increments[i] : s->increments + 3 * smg_sites(&s->c) * i;
+#else
+  s->past[0] = s->increments + 3 * smg_sites(&s->c) * i;
 #endif
   const smg_real *u = s->past[0];
 #endif
