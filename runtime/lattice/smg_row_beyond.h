@@ -104,10 +104,13 @@ static int smg_solve_beyond(smg_state *s, smg_beyond *a) {
 static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved) {
   smg_row_path path;
   smg_real *found = smg_paths_of(s) + SMG_BEFORE;
-  path.found = solved ? found : NULL;
+  path.found = found;
+  path.solved = solved;
   smg_rows_copy(s, found, s->row_m);
   if (!smg_follow_rows(s, h, a, &path)) return 0;
-  if (solved && smg_missed(s, &path, path.found) <= SMG_STRAIGHT) return 1;
+  const int found_there = smg_missed(s, &path, found) <= SMG_STRAIGHT;
+  if (solved && found_there) return 1;
+  if (found_there) smg_rows_copy(s, s->row_m, found); /* slow sweeps go on where they were */
   smg_turn_beyond(s, h, a);
   return smg_solve_beyond(s, a) && smg_missed(s, &path, s->row_m) <= SMG_STRAIGHT;
 }

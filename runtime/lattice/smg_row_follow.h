@@ -10,7 +10,7 @@
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 240 /* of all paces, before Newton takes over: they take as long as some 30 of its iterations */
+#define SMG_PATH_SWEEPS 200 /* of all paces, before Newton takes over: they take as long as some 25 of its iterations */
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
@@ -18,26 +18,31 @@
 /* the longest pace, in radii; the shortest, a part of h; the first, a part of what is certain */
 #define SMG_PATH_FAR (smg_real)0.5
 #define SMG_PATH_SHORTEST (smg_real)2e-4
-#define SMG_PATH_FIRST (smg_real)0.25
-/* parts of a pace: by which the sweeps that are left out would move midpoints; by which sweeps move them at most where
- * the next pace is longer */
-#define SMG_PATH_LEFT (smg_real)0.003
+#define SMG_PATH_FIRST (smg_real)0.5
+/* parts of a pace: by which the sweeps that are left out would move midpoints; by which sweeps are to move them */
+#define SMG_PATH_LEFT (smg_real)0.01
 #define SMG_PATH_EASY (smg_real)0.1
+/* the next pace, of the one before, at least and at most */
+#define SMG_PATH_LESS (smg_real)0.3
+#define SMG_PATH_MORE 2
 /* a pace counts as this part of the one before, if it is shorter: so little what sweeps left there is of it */
 #define SMG_PATH_NOISE (smg_real)0.25
 
 /* Parts of h and their midpoints, newest first, and behind them what was foreseen; how far that is from the newest
- * ones, and how long the pace was that found these; midpoints that solve the step, or NULL; parts that are known. */
+ * ones, and how long the pace was that found these; midpoints where sweeps with the whole of h ended, and whether they
+ * solve the step; parts that are known. */
 typedef struct smg_row_path {
   smg_real part[SMG_PATH_POINTS + 1], *m[SMG_PATH_POINTS + 1], pace, before;
   const smg_real *found;
-  int known;
+  int solved, known;
 } smg_row_path;
 
-/* A part of h for which the bound holds that is known beforehand. */
+/* The largest part of h, to a thirtieth of it, for which the bound holds that is known beforehand. */
 static smg_real smg_certain_part(const smg_state *s, smg_real h) {
   smg_real part = 1;
   while (part > SMG_PATH_SHORTEST && smg_row_factor(&s->c, part * h) > SMG_ROW_BOUND) part *= SMG_PATH_SMALLER;
+  for (smg_real more = part / 8; more > part / 64; more /= 2)
+    if (smg_row_factor(&s->c, (part + more) * h) <= SMG_ROW_BOUND) part += more;
   return part;
 }
 
@@ -108,10 +113,11 @@ static void smg_keep_point(const smg_state *s, smg_row_path *path, smg_real part
   smg_rows_copy(s, oldest, s->row_m);
 }
 
-/* The midpoints of a part from those that are foreseen. */
-static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real goal) {
+/* The midpoints of a part from those that are foreseen, to a part of the pace; 0 where a sweep moves them too far. */
+static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
   smg_turn_beyond(s, part * h, a);
-  return smg_settle_beyond(s, a, goal);
+  a->most = SMG_STRAIGHT * pace + SMG_NEARLY * s->scale;
+  return smg_settle_beyond(s, a, SMG_PATH_LEFT * pace);
 }
 
 /* 0, three quarters of what is certain, and that. */
@@ -128,8 +134,12 @@ static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path 
   for (int k = 3; k <= 4; ++k) {
     const smg_real part = certain * (smg_real)k / 4;
     smg_foresee(s, path, part);
-    path->pace = smg_rows_apart(s, s->row_m, path->m[0]);
-    if (!smg_sweep_part(s, h, a, part, SMG_PATH_ROUGH * s->scale)) return 0;
+    smg_turn_beyond(s, part * h, a);
+    if (!smg_settle_beyond(s, a, SMG_PATH_ROUGH * s->scale)) return 0;
+    path->pace = smg_rows_apart(s, s->row_m, path->m[0]); /* of slow spins much less */
+    if (!smg_near_rest(&a->sweep.whole, SMG_PATH_LEFT * path->pace) &&
+        !smg_settle_beyond(s, a, SMG_PATH_LEFT * path->pace))
+      return 0;
     smg_keep_point(s, path, part);
   }
   return 1;
@@ -141,13 +151,25 @@ static smg_real smg_missed(const smg_state *s, const smg_row_path *path, const s
   return smg_rows_apart(s, m, path->m[SMG_PATH_POINTS]) / (pace + SMG_NEARLY * s->scale);
 }
 
-/* One pace: by what part of it what has been found, or what sweeps find, misses what was foreseen. */
+/* One pace: by what part of it what has been found, or what sweeps find, misses what was foreseen. Where what has been
+ * found misses it by less than the pace, a shorter one is tried before sweeps are. */
 static smg_real smg_pace_to(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path, smg_real part) {
   smg_foresee(s, path, part);
   path->pace = smg_rows_apart(s, s->row_m, path->m[0]);
   if (!(path->pace <= SMG_PATH_FAR * s->scale)) return SMG_MAX;
-  if (part == 1 && path->found && smg_missed(s, path, path->found) <= SMG_STRAIGHT) return 0;
-  return smg_sweep_part(s, h, a, part, SMG_PATH_LEFT * path->pace) ? smg_missed(s, path, s->row_m) : SMG_MAX;
+  if (part == 1) {
+    const smg_real missed = smg_missed(s, path, path->found);
+    if (missed <= (path->solved ? 1 : SMG_STRAIGHT)) return missed;
+  }
+  const int rests = smg_sweep_part(s, h, a, part, path->pace);
+  const smg_real missed = smg_missed(s, path, s->row_m);
+  return rests || missed > SMG_STRAIGHT ? missed : SMG_MAX;
+}
+
+/* The next pace, of this one, whose miss is of second order in it. */
+static inline smg_real smg_longer(smg_real missed) {
+  const smg_real ratio = SMG_MATH(sqrt)(SMG_PATH_EASY / (missed + SMG_EPS));
+  return smg_max(SMG_PATH_LESS, smg_min(SMG_PATH_MORE, ratio));
 }
 
 /* The next part of h; the last two paces are alike. */
@@ -163,7 +185,7 @@ static int smg_follow_rows(smg_state *s, smg_real h, smg_beyond *a, smg_row_path
     const smg_real part = smg_next_part(path->part[0], step), missed = smg_pace_to(s, h, a, path, part);
     if (part == 1 && missed <= SMG_STRAIGHT) return 1;
     if (missed <= SMG_STRAIGHT) smg_keep_point(s, path, part);
-    step *= missed > SMG_STRAIGHT ? (smg_real)0.5 : missed > SMG_PATH_EASY ? 1 : (smg_real)1.5;
+    step *= smg_longer(missed);
   }
   return 0;
 }

@@ -5,23 +5,24 @@
 #include "smg_row_step.h"
 #include "smg_swept.h"
 
-#define SMG_BEYOND_SWEEPS 80 /* before the branch is followed */
+#define SMG_BEYOND_SWEEPS 120 /* before the branch is followed */
 
-/* The sweeps of a step: what stands beside the sites; passes that are left; did a change grow? |h/2kappa| r gain/s, the
- * largest. */
+/* The sweeps of a step: what stands beside the sites; passes that are left; did a change grow? how far a sweep may move
+ * midpoints; |h/2kappa| r gain/s, the largest. */
 typedef struct smg_beyond {
   smg_besides known;
   smg_turning turn;
   smg_row_sweeping sweep;
   int64_t left;
   int grew;
-  smg_real slope;
+  smg_real most, slope;
 } smg_beyond;
 
 /* Sweeps with h begin. */
 static void smg_turn_beyond(const smg_state *s, smg_real h, smg_beyond *a) {
   a->turn = smg_turning_of(s, h);
   a->grew = 0;
+  a->most = SMG_MAX;
   smg_begin_sweeping(&a->sweep);
 }
 
@@ -47,7 +48,7 @@ static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
   return goal > 0 && rest->rate * rest->now <= goal * (1 - rest->rate);
 }
 
-/* Sweeps to rest, or until they are as near to it as `goal`; 0 where they do not come there. They are not accelerated:
+/* Sweeps to rest, or until they are as near to it as `goal`; 0 where they do not come there, or one moves too far. They are not accelerated:
  * so they leave solutions at which the determinant of the equations is negative, behind a fold. */
 static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
   smg_row_sweeping *sweep = &a->sweep;
@@ -58,7 +59,7 @@ static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
     smg_take_pass(s, pass, &moved, sweep);
     if (sweep->passes > 2 * SMG_COLOURS && sweep->whole.now > before && sweep->whole.now > SMG_NEARLY * s->scale)
       a->grew = 1;
-    if (!(sweep->whole.now <= SMG_MAX) || --a->left < 0) return 0;
+    if ((sweep->passes >= SMG_COLOURS && !(sweep->whole.now <= a->most)) || --a->left < 0) return 0;
   } while (sweep->passes < SMG_COLOURS || !(smg_near_rest(&sweep->whole, goal) || smg_rows_settled(s, sweep)));
   return 1;
 }

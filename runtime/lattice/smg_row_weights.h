@@ -4,7 +4,7 @@
  *
  *     max_i (1/d_i) sum_j t_i B_ij d_j
  *
- * (Gershgorin's circles of D^-1 M D; Collatz, Math. Z. 48, 1942). From d = 1 on, d <- d + M d comes nearer the
+ * (Gershgorin's circles of D^-1 M D; Collatz, Math. Z. 48, 1942). From d = 1 on, d <- d/2 + M d comes nearer the
  * eigenvector of the largest eigenvalue: a site with a large t_i, which decides alone where all weights are 1, is made
  * up for by others. */
 #ifndef SMG_ROW_WEIGHTS_H
@@ -13,7 +13,10 @@
 #include "smg_row_state.h"
 #include "smg_row_piece.h"
 
-#define SMG_WEIGHINGS 24 /* each takes a tenth of a sweep */
+#define SMG_WEIGHINGS 24 /* each takes half a sweep */
+/* weighings that would have to lessen the bound as the last one did, where there is another one: they lessen it less and
+ * less */
+#define SMG_WEIGHING_PATIENCE 8
 
 #if SMG_BESIDE_NORMS
 /* B of each place: with the site itself, then with its neighbours. */
@@ -51,7 +54,7 @@ SMG_INLINE void smg_weigh_piece(const smg_coefficients *c, const smg_norms_besid
   for (int64_t k = 0, at = piece->start; k < piece->size; k += SMG_LANES, at += SMG_LANES) {
     const smg_lanes now = smg_lane_take(d + at), pulled = smg_lane_take(t + at) * smg_lane_take(piece->g + k);
     *most = smg_lane_max(*most, smg_lane_first(piece->size - k, pulled / now));
-    smg_lane_put(next + at, now + pulled);
+    smg_lane_put(next + at, (smg_real)0.5 * now + pulled);
   }
 }
 
@@ -80,8 +83,11 @@ static int smg_weights_show(const smg_state *s, smg_besides *known, const smg_re
   smg_norms_beside norms;
   smg_find_norms(&s->c, &norms);
   for (int64_t k = 0; k < pitch; ++k) d[k - SMG_BEFORE] = next[k - SMG_BEFORE] = 1;
-  for (int n = 0; n < SMG_WEIGHINGS; ++n) {
-    if (smg_weigh(s, known, &norms, t, d, next) <= SMG_ROW_SHOWN) return 1;
+  for (smg_real n = 0, last = SMG_MAX; n < SMG_WEIGHINGS; ++n) {
+    const smg_real bound = smg_weigh(s, known, &norms, t, d, next);
+    if (bound <= SMG_ROW_SHOWN) return 1;
+    if (bound - SMG_WEIGHING_PATIENCE * (last - bound) > SMG_ROW_SHOWN) return 0;
+    last = bound;
     smg_real *now = d;
     d = next;
     next = now;

@@ -78,3 +78,30 @@ def test_slots_without_a_site_do_not_part_a_solution_from_its_branch(monkeypatch
 def test_a_certificate_too_generous_by_three_tenths_is_seen(monkeypatch, tmp_path):
     plant(monkeypatch, tmp_path, GENEROUS)
     assert len(wrong(steps(smidgen.build(smidgen.load_text(TEXT))))) > 2
+
+
+SPIRAL = """
+[model]
+name = "spiral"
+[space]
+w = { sphere = "n*n*n" }
+[parameters]
+n = 8
+[effects.exchange]
+over = "bond(i, j) of cubic(n, n, n, periodic)"
+energy = "-dot(w[i], w[j])"
+"""
+SHORT = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 200", "#define SMG_PATH_SWEEPS 40", ())
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fault, by_rows", [(None, True), (SHORT, False)])
+def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(fault, by_rows, monkeypatch, tmp_path):
+    """Newton's method, which would take over otherwise, reports its own iterations, some ten."""
+    if fault:
+        plant(monkeypatch, tmp_path, fault)
+    angle = 2 * np.pi * np.arange(512) / 8
+    w = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0 * angle], axis=1) + 0.02 * np.random.default_rng(2).standard_normal((512, 3))
+    model = smidgen.build(smidgen.load_text(SPIRAL))
+    one = model.start(w / np.linalg.norm(w, axis=1)[:, None], h=0.673)
+    assert (one.steps(1).report()["iterations"] >= 100) == by_rows
