@@ -185,8 +185,8 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
   return (whole->stays || next * next <= square) && smg_rest_settled(part, SMG_EPS);
 }
 
-/* Iterates until then: up to which row sums of J - I the step is accepted; 0 where it does not settle soon. Changes that
- * are round-off of the field, whose terms may cancel, need not shrink. */
+/* Iterates until then: up to which row sums of J - I the step is accepted; 0 where it does not settle soon. Changes
+ * that are round-off of the field, whose terms may cancel, need not shrink. */
 static smg_real smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {

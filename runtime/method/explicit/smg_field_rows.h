@@ -52,10 +52,14 @@ SMG_INLINE void smg_field_slots(void *context, int64_t slot, int64_t in, smg_lan
 /* k = p f of every site, p the part `size` of h. */
 static void smg_slopes_at(smg_state *s, smg_real size, const smg_real *w, smg_real *k) {
   const smg_coefficients *c = &s->c;
-  smg_field_work a = {w + SMG_BEFORE, k + SMG_BEFORE, smg_h_over_kappa(c, 0, c->h * size), smg_pitch(c),
-                      smg_told_of(c, 0),
+  smg_field_work a = {
+    w + SMG_BEFORE,
+    k + SMG_BEFORE,
+    smg_h_over_kappa(c, 0, c->h * size),
+    smg_pitch(c),
+    smg_told_of(c, 0),
 #if SMG_LAW_BY_SITE
-                      s->row_values,
+    s->row_values,
 #endif
   };
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
