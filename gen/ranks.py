@@ -9,6 +9,7 @@ import contextlib
 import io
 import os
 import pickle
+import re
 import sys
 import time
 from collections.abc import Callable
@@ -49,6 +50,7 @@ class World:
 
 
 world: World | None = None
+grid: str | None = None     # AxBxC or `auto`, as --grid has it
 
 
 def variable(names) -> int | None:
@@ -95,6 +97,14 @@ def leave(code: int) -> int:
     elif next((rank for rank, found in enumerate(codes) if found), None) == world.rank:
         world.speak()
     return max(codes)
+
+
+def arrange(asked: str | None) -> None:
+    """Parts of ranks will be blocks of cells: as many along each direction, or `auto`. Raises UsageError."""
+    global grid
+    if asked is not None and not re.fullmatch(r"auto|[1-9]\d{0,5}(x[1-9]\d{0,5}){0,3}", asked):
+        raise UsageError(f"--grid {asked}: give the number of ranks along each direction, such as 1x2x2, or auto")
+    grid = asked
 
 
 def count() -> int:

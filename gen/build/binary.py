@@ -58,13 +58,14 @@ class Built:
 
 def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
                   real: str = "double", native: bool | None = None, features=(), generate=None, fast: bool = False,
-                  threads: bool = False, ranks: bool = False, defines: tuple = (), plan: Plan | None = None) -> Built:
+                  threads: bool = False, ranks: bool = False, grid: tuple = (), defines: tuple = (),
+                  plan: Plan | None = None) -> Built:
     """Generate and compile a selected spec, or find it in the cache.
 
     real: "double" or "long double"; native: -march=native or not; None: for models with vectors of lanes; fast: products and sums
     in one operation too, which the digits of extended precision do not survive; features: names of `features.FEATURES`; threads:
-    with OpenMP; ranks: with MPI, which no result tells: it decides no bit; generate: in place of the generator, and defines: flags beside the
-    others, which must tell its text from that of others; plan: of this spec, method and solver, where it is known. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
+    with OpenMP; ranks: with MPI, and grid: flags for the grid of ranks, which no result tells: they decide no bit; generate: in place of the
+    generator, and defines: flags beside the others, which must tell its text from that of others; plan: of this spec, method and solver, where it is known. Raises UsageError for a name that is none and for threads where steps have none, MissingTool without a C compiler,
     without OpenMP or mpicc, and BuildError when it refuses.
     """
     features, compiler = chosen_features(features), find_compiler()
@@ -72,7 +73,7 @@ def build_library(spec: Spec, method: str = DEFAULT, solver: str = "auto",
         raise UsageError("extended precision cannot be combined with a fast build")
     flags = (*FLAGS, *SHARED, *REALS[real], *(FAST if fast else NATIVE if native else ()), *(threads_of(compiler) if threads else ()), *defines)
     wide = native is None and not fast
-    caller = mpi_compiler(compiler) if ranks else compiler
+    caller = (*mpi_compiler(compiler), *grid) if ranks else compiler
     linked = (caller, ran([*caller, "-show"]).stdout) if ranks else ()
     program, plan = program_of(spec), choose(spec, method, solver) if plan is None else plan
     key = digest(identity(program), plan, solver, features, generator_digest(),

@@ -39,6 +39,7 @@ def add(commands):
     parser.add_argument("--repeat", metavar="FILE", help="repeat the run that wrote FILE")
     run_option(parser, "checkpoint")
     parser.add_argument("--distributed", action="store_true", help="with mpirun: each rank stores and writes only its own part of the lattice (--out result.h5)")
+    parser.add_argument("--grid", metavar="AxBxC", help="with mpirun: cut a lattice into blocks, so many along each direction, such as 1x2x2, or auto")
     parser.add_argument("--resume", metavar="FILE", help="continue the interrupted run that wrote checkpoints for FILE")
     run_option(parser, "tolerance")
     one = parser.add_mutually_exclusive_group()
@@ -53,6 +54,7 @@ def command(args):
     """Run, then print the summary; what was computed before a failure is kept."""
     from ..run.run import Interrupted
     ranks.join()
+    ranks.arrange(args.grid)
     with output_file(args) as out:
         try:
             result, code = go(args, out), Exit.OK

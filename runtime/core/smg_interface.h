@@ -40,6 +40,7 @@ size_t SMG_PUBLIC(savesize)(const smg_model *model) {
 }
 void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) {
   smg_choose_own(&s->c);
+  smg_move_saved(s, SMG_TO_LAYERS);
   smg_save_state(s, out);
 }
 smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) {

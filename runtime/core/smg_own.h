@@ -6,6 +6,15 @@
 
 #include "smg_arrays.h"
 
+/* Are the parts of ranks blocks of cells (smg_row_grid.h)? May this lattice be cut so? */
+#if defined(SMG_MPI) && defined(SMG_MPI_GRID) && SMG_BY_ROWS && !SMG_ROW_TURNS
+#define SMG_GRID 1
+static int smg_may_cut(const smg_coefficients *c);
+#else
+#define SMG_GRID 0
+#define smg_may_cut(c) 1
+#endif
+
 #if SMG_DISTRIBUTED && defined(SMG_MPI)
 #define SMG_IN_PARTS 1
 static struct { int64_t from, to; } smg_own;
@@ -25,6 +34,9 @@ static void smg_share_ends(const smg_coefficients *c, smg_real *w);
 static int smg_is_divided(void);
 static size_t smg_next_saved(const smg_coefficients *c, size_t k, size_t head);
 #define smg_choose_own(c) smg_choose_ranks(c)
+#if SMG_GRID
+enum smg_carried_where { SMG_TO_LAYERS, SMG_TO_BLOCKS, SMG_DROPPED };
+#endif
 #define smg_largest_of_all(a) smg_largest_of_ranks(a, a)
 #else
 #define SMG_IN_PARTS 0
@@ -39,6 +51,14 @@ static size_t smg_next_saved(const smg_coefficients *c, size_t k, size_t head);
 #define smg_largest_of_all(a) (void)0
 #define smg_is_divided() 0
 #define smg_next_saved(c, k, head) ((k) + 1)
+#endif
+
+/* What has layers beside blocks (smg_row_layers.h): w by slots, and what else a saved state has. */
+#define SMG_LAYERS_APART (SMG_IN_PARTS && SMG_GRID)
+#if !SMG_LAYERS_APART
+#define smg_hold_layers(c) (void)0
+#define smg_carry_w(s, where) (void)0
+#define smg_move_saved(s, where) (void)0
 #endif
 
 #endif

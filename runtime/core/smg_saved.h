@@ -106,6 +106,10 @@ SMG_RARE static void smg_restore_noise(smg_state *s, const smg_real *in) {
 
 SMG_RARE static void smg_save_state(const smg_state *s, smg_real *out) {
   const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);
+#if SMG_LAYERS_APART
+  if (!out) smg_move_saved(s, SMG_TO_LAYERS);
+  if (!out) return;
+#endif
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
   out[SMG_SAVED_T0] = (smg_real)s->t0;

@@ -57,6 +57,9 @@ static inline void smg_choose_rows(smg_state *s);
 #if SMG_IN_PARTS
 static void smg_clear_rows(const smg_state *s);
 #endif
+#if SMG_LAYERS_APART
+static void smg_move_saved(const smg_state *s, enum smg_carried_where where);
+#endif
 static inline void smg_make_tables(smg_state *s);
 static inline void smg_forget_rows(const smg_state *s);
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past);
@@ -235,7 +238,7 @@ static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *me
   if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
   if (s->report.status != SMG_OK) return s->report.status;
   smg_choose_own(&s->c);
-  if (!smg_may_begin(s)) return s->report.status = SMG_BAD_PARAMETER;
+  if (!smg_may_begin(s) || !smg_may_cut(&s->c)) return s->report.status = SMG_BAD_PARAMETER;
   smg_begin_arrays(s, (smg_real *)mem, 0);
   s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
   s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);

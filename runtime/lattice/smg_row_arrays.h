@@ -86,12 +86,14 @@ static void smg_enter_rows(smg_state *s) {
   const int64_t pitch = smg_pitch(&s->c);
   if (!s->row_kept) {
     smg_put_absent(s, 1);
-    SMG_COLOURS_AT_ONCE(colour, n, 0) {
-      const smg_share part = smg_share_of_rank(&s->c, colour, n);
+    smg_hold_layers(&s->c);
+    SMG_COLOURS_AT_ONCE(colour, n, 0) SMG_STRIPS(&s->c, k) {
+      const smg_share part = smg_strip_of_rank(&s->c, colour, n, k);
       for (int64_t slot = part.from; slot < part.to; ++slot)
         s->row_w[2 * pitch + slot] = SMG_PUSHES || SMG_RADII ? 0 : smg_radius(&s->c, 0);
     }
     smg_to_slots(s, s->w, s->row_w);
+    smg_carry_w(s, SMG_TO_BLOCKS);
   }
   smg_release_other(s);
 }
@@ -122,11 +124,14 @@ static void smg_begin_team(smg_state *s, smg_besides *known) {
 static void smg_begin_call(smg_state *s, smg_besides *known) {
   smg_know_rows(s, known);
   smg_begin_ranks(s, known);
+  smg_move_saved(s, SMG_DROPPED);
   smg_begin_team(s, known);
 }
 static void smg_leave_rows(smg_state *s) {
   smg_release_other(s);
+  smg_carry_w(s, SMG_TO_LAYERS);
   smg_to_sites(s, s->row_w, s->w);
+  smg_carry_w(s, SMG_DROPPED);
   smg_put_absent(s, 0);
   smg_share_ends(&s->c, s->w);
 #if !SMG_THERMAL /* which turns w between steps */

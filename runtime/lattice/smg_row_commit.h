@@ -65,7 +65,10 @@ static void smg_predict_share(const smg_row_going go, smg_share part) {
 /* Those of all colours but the first. */
 static void smg_predict_rows(const smg_state *s) {
   const smg_row_going go = smg_going_of(s, s->degree);
-  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(colour, n, 1) smg_predict_share(go, smg_share_of(&s->c, colour, n)); }
+  SMG_TEAM(s->row_team) {
+    SMG_COLOURS_AT_ONCE(colour, n, 1)
+    SMG_STRIPS(&s->c, k) smg_predict_share(go, smg_strip_of_thread(&s->c, colour, n, k));
+  }
 }
 
 /* w + compensation + u of the slots of one vector (Kahan). */
@@ -131,7 +134,9 @@ static void smg_begin_first_colour(const smg_state *s, smg_share part) {
 /* The state after the step, of all threads; more: is another one to begin? */
 static void smg_go_on_rows(const smg_state *s, int more) {
   const smg_row_going go = smg_going_of(s, more ? s->degree : SMG_NO_DEGREE);
-  SMG_TEAM(s->row_team) { SMG_COLOURS_AT_ONCE(colour, n, 0) smg_go_on(go, smg_share_of(&s->c, colour, n)); }
+  SMG_TEAM(s->row_team) {
+    SMG_COLOURS_AT_ONCE(colour, n, 0) SMG_STRIPS(&s->c, k) smg_go_on(go, smg_strip_of_thread(&s->c, colour, n, k));
+  }
 }
 
 #endif

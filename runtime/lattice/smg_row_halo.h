@@ -11,6 +11,9 @@
 
 #if defined(SMG_MPI)
 
+#ifdef SMG_MPI_GRID
+#include "smg_row_faces.h"
+#else
 /* Ranks that one can have to do with: two; where a colour has several places in a cell, up to four of each place before
  * and after and as many around a ring. */
 #define SMG_MPI_PARTNERS (16 * SMG_RANKS)
@@ -152,10 +155,14 @@ static void smg_begin_ranks(const smg_state *s, smg_besides *known) {
   if (smg_halo.partners > 0) smg_mpi_tell();
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_mpi_prepare(s, colour);
 }
+#endif
 
 /* Every rank does all of what follows. */
-static void smg_by_each_rank(void) {
+static void smg_by_each_rank(SMG_UNUSED const smg_coefficients *c) {
   smg_mpi_parts = 1;
+#if SMG_GRID
+  smg_stay_whole(c);
+#endif
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) smg_halo.messages[colour] = 0;
 }
 
@@ -188,12 +195,14 @@ static void smg_look_at_colour(int64_t colour) {
     MPI_Testall(smg_halo.messages[colour], smg_halo.message[colour], &all, MPI_STATUSES_IGNORE);
 }
 
+#if !SMG_GRID
 /* Of this rank's slots, those that no other one reads. */
 static smg_share smg_between_ends(int64_t colour, smg_share all) {
   const int64_t first = smg_halo.first[colour], last = smg_halo.last[colour];
   const smg_share inner = {all.from + first, all.to - last}, none = {all.to, all.to};
   return first + last < all.to - all.from ? inner : none;
 }
+#endif
 
 /* Those that were predicted: of all colours but the first. */
 static void smg_exchange_late(void) {

@@ -18,10 +18,18 @@
 
 static int smg_is_divided(void) { return smg_mpi_parts > 1; }
 
+#if SMG_GRID
+/* Are there as many layers for each rank as sums reach? */
+static inline int smg_may_divide(const smg_coefficients *c) {
+  const int64_t least = smg_cells(c, SMG_SLOWEST) / smg_mpi_size;
+  return SMG_SLOWEST > 0 && least >= 1 && least >= SMG_PARTS_REACH;
+}
+#else
 /* Do slots follow the layers that loops over cells go through last? */
 static inline int smg_may_divide(const smg_coefficients *c) {
   return smg_slowest(c) == SMG_SLOWEST && smg_mpi_layer(c) > 0;
 }
+#endif
 
 /* Sites of a layer. */
 static inline int64_t smg_layer_sites(const smg_coefficients *c) {
@@ -30,11 +38,28 @@ static inline int64_t smg_layer_sites(const smg_coefficients *c) {
   return sites;
 }
 
+#if SMG_GRID
+/* The layers of a rank, as slots and as sites. */
+static smg_box smg_layers_of(const smg_coefficients *c, int64_t rank) {
+  smg_box b;
+  for (int d = 0; d < 4; ++d) {
+    b.from[d] = 0;
+    b.to[d] = smg_extent(c, d);
+  }
+  b.from[SMG_SLOWEST] = smg_extent(c, SMG_SLOWEST) * rank / smg_mpi_parts;
+  b.to[SMG_SLOWEST] = smg_extent(c, SMG_SLOWEST) * (rank + 1) / smg_mpi_parts;
+  return b;
+}
+static int64_t smg_first_site(const smg_coefficients *c, int64_t rank) {
+  return smg_layers_of(c, rank).from[SMG_SLOWEST] * smg_layer_sites(c);
+}
+#else
 /* Where the sites of a rank begin: a slot of one direction alone is a site of each colour. */
 static int64_t smg_first_site(const smg_coefficients *c, int rank) {
   const int64_t sites = SMG_SLOWEST > 0 ? smg_layer_sites(c) : SMG_PLACES * SMG_ROW_STEP;
   return rank < smg_mpi_parts ? smg_mpi_from(c, rank) / smg_mpi_layer(c) * sites : smg_sites(c);
 }
+#endif
 static void smg_choose_sites(const smg_coefficients *c) {
   smg_own.from = smg_mpi_parts > 1 ? smg_first_site(c, smg_mpi_me) : 0;
   smg_own.to = smg_mpi_parts > 1 ? smg_first_site(c, smg_mpi_me + 1) : smg_sites(c);
@@ -90,16 +115,23 @@ static void smg_zero_again(smg_real *first, int64_t numbers) {
   }
 }
 
+static void smg_clear_share(smg_real *array, int64_t pitch, smg_share part) {
+  for (int k = 0; k < 3; ++k) {
+    smg_real *slots = array + k * pitch + part.from;
+    smg_advise(slots, part.to - part.from, (uintptr_t)1 << 21, MADV_HUGEPAGE);
+    smg_zero_again(slots, part.to - part.from);
+  }
+}
+
 /* This rank's slots of an array, 0; those of the colours from one on alone, where it has no others. */
 static void smg_clear_slots(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colour, int64_t end) {
   for (const int64_t first = colour * smg_colour_slots(c); colour < end; ++colour) {
-    const smg_share all = {colour * smg_colour_slots(c), (colour + 1) * smg_colour_slots(c)},
-                    part = smg_part_of_rank(c, all);
-    for (int k = 0; k < 3; ++k) {
-      smg_real *slots = array + k * pitch + part.from - first;
-      smg_advise(slots, part.to - part.from, (uintptr_t)1 << 21, MADV_HUGEPAGE);
-      smg_zero_again(slots, part.to - part.from);
-    }
+#if SMG_GRID
+    SMG_STRIPS(c, strip) smg_clear_share(array - first, pitch, smg_strip_of_rank(c, colour, 1, strip));
+#else
+    const smg_share all = {colour * smg_colour_slots(c), (colour + 1) * smg_colour_slots(c)};
+    smg_clear_share(array - first, pitch, smg_part_of_rank(c, all));
+#endif
   }
 }
 

@@ -33,10 +33,9 @@
 #define SMG_MPI_SHARE 4096
 #endif
 
-/* Ranks of this call: this one, all, and those that have parts, the first ones; slots of a colour that parts are whole
- * numbers of. MPI is called by one thread of a process at a time, and each call begins by setting them. */
+/* Ranks of this call: this one, all, and those that have parts, the first ones. MPI is called by one thread of a
+ * process at a time, and each call begins by setting them. */
 static int smg_mpi_me = 0, smg_mpi_size = 1, smg_mpi_parts = 1;
-static int64_t smg_mpi_unit = SMG_WIDEST;
 
 #define SMG_SHARED_BY_RANKS (smg_mpi_parts > 1)
 /* Colours are shared one by one: n of them from the k-th on, up to the last. */
@@ -49,6 +48,11 @@ static void smg_choose_sites(const smg_coefficients *c);
 #define smg_may_divide(c) 1
 #define smg_choose_sites(c) (void)0
 #endif
+
+#ifdef SMG_MPI_GRID
+#include "smg_row_grid.h"
+#else
+static int64_t smg_mpi_unit = SMG_WIDEST; /* slots of a colour that parts are whole numbers of */
 
 /* The farthest that a site feels, in slots of its colour, and a vector more: some layers of the slowest direction. */
 static inline int64_t smg_mpi_reach(const smg_coefficients *c) {
@@ -91,20 +95,9 @@ static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
   return most <= 1 || SMG_TANGENT || smg_meet_at_seam(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
 }
 
-/* Who shares the steps of this lattice? */
-static void smg_choose_ranks(const smg_coefficients *c) {
-  int ready = 0, ended = 0;
-  MPI_Initialized(&ready);
-  MPI_Finalized(&ended);
-  smg_mpi_me = 0;
-  smg_mpi_size = 1;
-  if (ready && !ended) {
-    MPI_Comm_rank(SMG_MPI_COMM, &smg_mpi_me);
-    MPI_Comm_size(SMG_MPI_COMM, &smg_mpi_size);
-  }
+static void smg_choose_parts(const smg_coefficients *c) {
   smg_mpi_unit = smg_mpi_unit_of(smg_mpi_layer(c));
   smg_mpi_parts = (int)smg_mpi_fit(c, smg_mpi_size);
-  smg_choose_sites(c);
 }
 
 /* Where the slots of a rank begin in a colour; of ranks without a part, at its end. */
@@ -127,15 +120,6 @@ SMG_INLINE int smg_mpi_owner(const smg_coefficients *c, int64_t slot) {
   return (int)((smg_mpi_parts * (at + 1) + units - 1) / units - 1);
 }
 
-/* The larger of two numbers of all ranks; what is not a number counts as infinite, so that all come to the same. */
-static void smg_largest_of_ranks(smg_real *a, smg_real *b) {
-  if (smg_mpi_parts == 1) return;
-  smg_real most[2] = {*a == *a ? *a : (smg_real)INFINITY, *b == *b ? *b : (smg_real)INFINITY};
-  MPI_Allreduce(MPI_IN_PLACE, most, 2, SMG_MPI_REAL, MPI_MAX, SMG_MPI_COMM);
-  *a = most[0];
-  *b = most[1];
-}
-
 /* All ranks get all parts of an array of some colours, x, y and z a pitch apart. */
 static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colours) {
   for (int rank = 0; rank < smg_mpi_parts; ++rank) {
@@ -144,6 +128,31 @@ static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t p
       MPI_Bcast(array + q / colours * pitch + q % colours * smg_colour_slots(c) + from, (int)slots, SMG_MPI_REAL, rank,
                 SMG_MPI_COMM);
   }
+}
+#endif
+
+/* Who shares the steps of this lattice? */
+static void smg_choose_ranks(const smg_coefficients *c) {
+  int ready = 0, ended = 0;
+  MPI_Initialized(&ready);
+  MPI_Finalized(&ended);
+  smg_mpi_me = 0;
+  smg_mpi_size = 1;
+  if (ready && !ended) {
+    MPI_Comm_rank(SMG_MPI_COMM, &smg_mpi_me);
+    MPI_Comm_size(SMG_MPI_COMM, &smg_mpi_size);
+  }
+  smg_choose_parts(c);
+  smg_choose_sites(c);
+}
+
+/* The larger of two numbers of all ranks; what is not a number counts as infinite, so that all come to the same. */
+static void smg_largest_of_ranks(smg_real *a, smg_real *b) {
+  if (smg_mpi_parts == 1) return;
+  smg_real most[2] = {*a == *a ? *a : (smg_real)INFINITY, *b == *b ? *b : (smg_real)INFINITY};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, SMG_MPI_REAL, MPI_MAX, SMG_MPI_COMM);
+  *a = most[0];
+  *b = most[1];
 }
 
 /* w of all ranks. */
@@ -167,6 +176,9 @@ static void smg_share_sample(const smg_coefficients *c, int64_t k, smg_real *all
 
 #if SMG_DISTRIBUTED
 #include "smg_row_parts.h"
+#ifdef SMG_MPI_GRID
+#include "smg_row_layers.h"
+#endif
 #endif
 #include "smg_row_halo.h"
 
@@ -175,7 +187,7 @@ static void smg_share_sample(const smg_coefficients *c, int64_t k, smg_real *all
 #define SMG_SHARED_BY_RANKS 0
 #define SMG_COLOURS_AT_ONCE(k, n, first) for (int64_t k = (first), n = SMG_COLOURS - k; k < SMG_COLOURS; k += n)
 #define smg_begin_ranks(s, known) (void)0
-#define smg_by_each_rank() (void)0
+#define smg_by_each_rank(c) (void)0
 #define smg_end_ranks(s) (void)0
 #define smg_largest_of_ranks(a, b) (void)0
 #define smg_between_ends(colour, all) (all)

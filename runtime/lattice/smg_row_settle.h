@@ -30,7 +30,7 @@ static void smg_turn_beyond(const smg_state *s, smg_real h, smg_beyond *a) {
 static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
   smg_sweep_start(s);
   smg_know_rows(s, &a->known);
-  smg_by_each_rank();
+  smg_by_each_rank(&s->c);
   smg_begin_team(s, &a->known);
   smg_put_absent(s, 0);
   smg_to_slots(s, s->compensation, s->row_compensation);

@@ -43,7 +43,11 @@ static void smg_fill_values(smg_state *s) {
 #if SMG_RADII /* of empty slots 1 */
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot) s->row_values[SMG_RADIUS_AT * smg_pitch(&s->c) + slot] = 1;
 #endif
+#if SMG_LAYERS_APART
+  smg_each_slot_of_block(&s->c, s, smg_put_values);
+#else
   smg_each_slot(&s->c, s, smg_put_values);
+#endif
 }
 #endif
 

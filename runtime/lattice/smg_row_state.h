@@ -162,6 +162,11 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 
+#if SMG_LAYERS_APART
+static void smg_move_saved(const smg_state *s, enum smg_carried_where where) {
+  smg_carry_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c), where);
+}
+#endif
 #if SMG_IN_PARTS
 /* This rank's part of all arrays but that of w and midpoints. */
 static void smg_clear_rows(const smg_state *s) {
@@ -248,6 +253,7 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
                         INT64_MAX};
     smg_each_slot(&s->c, &late, smg_site_to_slot);
   }
+  smg_move_saved(s, SMG_TO_BLOCKS);
 #if SMG_TANGENT
   smg_carried early = {past, s->row_u, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
   smg_each_slot(&s->c, &early, smg_site_to_slot);

@@ -32,7 +32,10 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
   SMG_TEAM(s->row_team) {
     smg_lanes squares = {0};
     for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-      if (colour != sweep->ended) smg_end_part(s, known, *turn, colour, smg_share_of(&s->c, colour, 1), &squares);
+      if (colour != sweep->ended) {
+        SMG_STRIPS(&s->c, k)
+        smg_end_part(s, known, *turn, colour, smg_strip_of_thread(&s->c, colour, 1, k), &squares);
+      }
     SMG_ONE_BY_ONE smg_take(&most, smg_lane_largest(squares));
   }
   smg_largest_of_ranks(&most, &most);
@@ -105,7 +108,7 @@ static void smg_begin_rows(smg_state *s) {
     smg_go_on_rows(s, 1);
     smg_exchange_late();
   }
-  smg_begin_first_colour(s, smg_share_of_rank(&s->c, 0, 1));
+  SMG_STRIPS(&s->c, k) smg_begin_first_colour(s, smg_strip_of_rank(&s->c, 0, 1, k));
   s->row_due = 0;
 }
 

@@ -208,6 +208,38 @@ SMG_INLINE void smg_turn_by_team(const smg_state *s, smg_besides *known, const s
   }
 }
 
+#if SMG_GRID
+/* The strips of a box. */
+static void smg_turn_box(const smg_state *s, smg_besides *known, const smg_turning *turn, const smg_row_pass pass,
+                         const smg_box *b, smg_row_motion *moved) {
+  const smg_share slots = {0, smg_box_slots(b)};
+  if (slots.to == 0) return;
+  SMG_TEAM(smg_team_for(slots, s->row_team)) {
+    smg_row_motion motion = smg_at_rest();
+    for (int64_t k = 0, n = smg_strips(&s->c, b); k < n; ++k) {
+      const smg_share part = smg_thread_strip(&s->c, pass.colour, b, k);
+      if (part.from < part.to) smg_turn_some_slots(s, known, turn, pass, part, &motion);
+    }
+    SMG_ONE_BY_ONE smg_join_motion(moved, &motion);
+  }
+}
+
+/* A colour: first the shell that other ranks read; while that is on its way, what is within. */
+static smg_row_motion smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
+                                      const smg_row_pass pass) {
+  const smg_share inner = {0, smg_box_slots(&smg_halo.inner)};
+  smg_row_motion moved = smg_at_rest();
+  for (int k = 0; k < smg_halo.shells; ++k) smg_turn_box(s, known, turn, pass, smg_halo.shell + k, &moved);
+  smg_send_colour(pass.colour);
+  for (int64_t k = 0, n = smg_mpi_looks(inner); k < n; ++k) {
+    const smg_box part = smg_inner_part(k, n);
+    smg_turn_box(s, known, turn, pass, &part, &moved);
+    smg_look_at_colour(pass.colour);
+  }
+  smg_await_colour(pass.colour);
+  return moved;
+}
+#else
 /* A colour: first the ends that other ranks read; while those are on their way, what is between. */
 static smg_row_motion smg_turn_colour(const smg_state *s, smg_besides *known, const smg_turning *turn,
                                       const smg_row_pass pass) {
@@ -224,6 +256,7 @@ static smg_row_motion smg_turn_colour(const smg_state *s, smg_besides *known, co
   smg_await_colour(pass.colour);
   return moved;
 }
+#endif
 
 /* The sweeps of one step: colours done, and the changes of the last SMG_COLOURS - 1 of them; the pass from which small
  * components are nearly looked at; the colour whose increments are known already (-1: none), and the largest square of

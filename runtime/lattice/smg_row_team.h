@@ -28,6 +28,8 @@ SMG_INLINE int smg_thread(void) { return 0; }
 SMG_INLINE int smg_threads(void) { return 1; }
 #endif
 
+#define SMG_STRIPS_APART 4 /* for each thread */
+
 /* The k-th of n parts of whole vectors. */
 SMG_INLINE smg_share smg_part_of(smg_share all, int64_t k, int64_t n) {
   if (n == 1) return all;
@@ -50,6 +52,27 @@ SMG_INLINE smg_share smg_share_of(const smg_coefficients *c, int64_t colour, int
   return smg_share_of_thread(smg_share_of_rank(c, colour, n));
 }
 
+/* The slots of a rank may be several strips in a colour (smg_row_grid.h): the k-th one, and what a thread has of it,
+ * strips as they are where there are many. */
+#if SMG_GRID
+#define smg_strip_of_thread(c, colour, n, k) smg_thread_strip(c, colour, &smg_my_box, k)
+static smg_share smg_work_of_rank(SMG_UNUSED const smg_coefficients *c) {
+  const smg_share all = {0, smg_box_slots(&smg_my_box)};
+  return all;
+}
+static smg_share smg_thread_strip(const smg_coefficients *c, int64_t colour, const smg_box *b, int64_t k) {
+  const int64_t strips = smg_strips(c, b), threads = smg_threads();
+  const smg_share strip = smg_strip(c, colour, b, k), none = {strip.to, strip.to};
+  if (strips < SMG_STRIPS_APART * threads) return smg_share_of_thread(strip);
+  return k * threads / strips == smg_thread() ? strip : none;
+}
+#else
+#define SMG_STRIPS(c, k)
+#define smg_strip_of_rank(c, colour, n, k) smg_share_of_rank(c, colour, n)
+#define smg_strip_of_thread(c, colour, n, k) smg_share_of(c, colour, n)
+#define smg_work_of_rank(c) smg_share_of_rank(c, 0, 1)
+#endif
+
 /* As many of a team as some slots are worth. */
 static inline int smg_team_for(smg_share slots, int team) {
   const int64_t worth = (slots.to - slots.from) / SMG_SHARE;
@@ -58,7 +81,7 @@ static inline int smg_team_for(smg_share slots, int team) {
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {
-  return smg_meet_at_seam(c) ? 1 : smg_team_for(smg_share_of_rank(c, 0, 1), smg_most_threads());
+  return smg_meet_at_seam(c) ? 1 : smg_team_for(smg_work_of_rank(c), smg_most_threads());
 }
 
 #endif

@@ -32,6 +32,9 @@ SPARED = (
     ("gen/compile/assemble/buffers.py", r".", "sizes of arrays: larger ones are not a fault; smaller ones are found by the sanitizers of tests/compile/test_generated_c.py"),
     ("runtime/lattice/smg_row_ranks.h", r".", "used only for MPI ranks; tests/runtime/test_ranks.py compares all their bits"),
     ("runtime/lattice/smg_row_halo.h", r".", "as for `smg_row_ranks.h`"),
+    ("runtime/lattice/smg_row_grid.h", r".", "used only for MPI ranks; tests/runtime/test_ranks_grids.py compares all their bits"),
+    ("runtime/lattice/smg_row_faces.h", r".", "as for `smg_row_grid.h`"),
+    ("runtime/lattice/smg_row_layers.h", r".", "as for `smg_row_grid.h`"),
     ("runtime/lattice/smg_row_parts.h", r".", "used only for ranks with memory of their own; tests/runtime/test_distributed.py compares all their bits"),
     ("gen/compile/plan/ordering.py", r"limit|multiplications|fill=|size \+ sum", "how much fill is accepted, and how it is counted"),
 )

@@ -93,6 +93,9 @@ int main(int argc, char **argv) {{
   say(argv[1], rank, &s);
   status += {M}_steps(&s, 5);
   say(argv[1], rank, &s);
+#if defined(SMG_MPI) && defined(SMG_MPI_GRID)
+  {M}_save_part(&s, from, from, NULL);
+#endif
   /* saved layer by layer, and restored where nothing else is known */
   for (int64_t k = from; k < to; k += to - k > 7 ? 7 : to - k) {M}_save_part(&s, k, to - k > 7 ? k + 7 : to, out);
   for (int64_t k = 0; k < (int64_t)size; ++k) again[k] = k < head ? out[k] : NAN;

@@ -10,6 +10,7 @@ import numpy as np
 from ... import ranks
 from ...build.binary import build_library
 from ...errors import RunError, UsageError
+from .grid import grid_flags
 from .integrator import Integrator
 from .noise import noise_of
 from .prepared import Prepared, checked_tolerance
@@ -25,7 +26,7 @@ def divided(prepared: Prepared, real: str, native: bool | None, fast: bool, thre
     """Compile it, or find it in the cache. Raises UsageError for a model that cannot be divided."""
     with ranks.first_first():
         built = build_library(prepared.scene, prepared.method, prepared.solver, real, native, (FEATURE,), fast=fast,
-                              threads=threads is not None, ranks=ranks.count() > 1, plan=prepared.plan)
+                              threads=threads is not None, ranks=ranks.count() > 1, grid=grid_flags(prepared), plan=prepared.plan)
     model = Divided(prepared, built, threads)
     ranks.check(model._library)
     return model
@@ -111,6 +112,8 @@ class Divided(Integrator):
         """(position, numbers) of this rank's part of what `Integrator.save` gives, window by window; the first rank has the head."""
         size, n3 = self._c.savesize(self._state), 3 * self.sites
         head, out = size % n3, Numbers(self._c.savesize(self._state), self.real)
+        if ranks.grid is not None and ranks.count() > 1:
+            self._c.part_save(self._state, self.first, self.first, None)    # all ranks together: from blocks to layers
         for first, count in self.windows():
             self._c.part_save(self._state, first, first + count, out.array.ctypes.data)
             if first == 0:

@@ -22,6 +22,7 @@ from ...methods import METHODS
 from ...public import ReadOnly, few, public
 from ...read.shipped import SpecLike, spec_or_name
 from .block import Block
+from .grid import check_grid, grid_flags
 from .library import functions, loaded, loaded_with_threads, packed, passed
 from .noise import noise_of
 from .prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
@@ -62,7 +63,8 @@ def compiled(prepared: Prepared, real: str = "double", native: bool | None = Non
     threads = checked_threads(threads)
     with ranks.first_first():
         built = build_library(prepared.scene, prepared.method, prepared.solver, real, native, features, fast=fast,
-                              threads=threads is not None, ranks=ranks.count() > 1, plan=prepared.plan)
+                              threads=threads is not None, ranks=ranks.count() > 1, grid=grid_flags(prepared), plan=prepared.plan)
+    check_grid(built.notes)
     model = Integrator(prepared, built, threads)
     ranks.check(model._library)
     return model
