@@ -132,7 +132,8 @@ def go_on(args):
     if args.spec is not None or args.repeat is not None or args.out is not None:
         raise UsageError("--resume takes all settings from the file: omit SPEC, --out and --repeat")
     refuse_choices(args, "--resume continues a run unchanged and can be combined with --json only")
-    if ranks.on_first(lambda: Path(f"{args.resume}.distributed").is_dir()):
+    from ..run.distributed.store import Store
+    if ranks.on_first(Store(args.resume).unfinished):
         from ..run.distributed.run import resume_distributed
         args.out = args.resume
         return resume_distributed(args.resume)

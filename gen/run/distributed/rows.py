@@ -12,7 +12,7 @@ from ...extremes import largest
 from ...language.places import on_lattice, placed_on
 from ...language.spec import Lattice
 from ..files.output import RESERVED, result_of
-from ..files.places import standing, write_at
+from ..files.places import write_at
 from ..record.conserved import driven, energy_of, with_tracers
 from ..record.record import columns_of
 from ..run import describe
@@ -46,7 +46,7 @@ class Rows:
             on_all(store, store.open)
             return
         self.count, self.seconds, self.first, self.largest = newest["rows"], newest["seconds"], newest["first"], newest["largest"]
-        self.places = ranks.on_first(lambda: store.found(lambda: standing(store.file, self.arrays())))
+        self.places = ranks.on_first(lambda: store.places(self.arrays()))
         state = ranks.on_all(lambda: store.found(lambda: np.memmap(store.state(newest["count"]), model.real, "r")))
         on_all(store, store.open)
         model.restore(state)

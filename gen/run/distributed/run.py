@@ -29,13 +29,21 @@ def run_distributed(spec, run, out, progress=None, **given):
 def resume_distributed(path, progress=None):
     """Go on with the run that was writing `path`, on any number of ranks."""
     store = Store(path)
-    meta, newest = ranks.on_first(store.read)
+    try:
+        meta, newest = ranks.on_first(store.read)
+        return go_on(store, meta, newest, progress)
+    finally:
+        store.release()
+
+
+def go_on(store, meta, newest, progress):
+    """The rest of a run that began with this metadata."""
     spec, name, given = recorded(meta)
     settings = settle(spec, name, **given, checkpoint=newest["checkpoint"])
     model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     if differing := [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]:
-        raise CheckpointError(f"{path} was started with different settings ({', '.join(differing)}): the bits would differ. "
+        raise CheckpointError(f"{store.out} was started with different settings ({', '.join(differing)}): the bits would differ. "
                               f"Remove {store.folder} to start again")
     return complete(model, settings, store, newest, progress)
 

@@ -3,7 +3,10 @@
     result.h5           all arrays at their places (files/places.py); metadata come last
     run.json            the metadata of the run, all that is needed to repeat it
     state-<count>.bin   with checkpoints, the saved state after `count` steps, and
-    newest.json         which of them counts, and what else a run that goes on must know
+    newest.json         which of them counts, and what else a run that goes on must know; it goes last
+    lock                held by rank 0 of the run that writes
+
+A run may be killed at any instant. A folder that still has newest.json, but not result.h5, is what is left of a complete run.
 """
 from __future__ import annotations
 
@@ -15,8 +18,8 @@ from pathlib import Path
 from ... import ranks
 from ...errors import OutputError
 from ...system import sync_folder
-from ..files.checkpoint import CheckpointError
-from ..files.places import finish, lay_out, write_at
+from ..files.checkpoint import CheckpointError, writing
+from ..files.places import finish, lay_out, lay_out_again, standing, write_at
 
 # What newest.json says: steps of the state, outputs, seconds so far, the energy of the first output (or null) and its largest deviation, steps between checkpoints.
 NEWEST = {"count": int, "rows": int, "seconds": float, "first": (float, type(None)), "largest": float, "checkpoint": int}
@@ -26,11 +29,12 @@ class Store:
     """The folder of a run that is not complete, and the files in it. Every rank holds one; rank 0 makes them."""
 
     def __init__(self, out):
-        self.out, self.folder, self.handle = Path(out), Path(f"{out}.distributed"), None
+        self.out, self.folder, self.handle, self.lock = Path(out), Path(f"{out}.distributed"), None, None
         self.file = self.folder / "result.h5"
 
     def read(self):
-        """(metadata, newest checkpoint) of the run to go on with. Raises CheckpointError."""
+        """(metadata, newest checkpoint) of the run to go on with, which no other run goes on with until `release`. Raises CheckpointError."""
+        self.lock = writing(self.folder, self.out)
         try:
             meta, newest = (json.loads((self.folder / name).read_text()) for name in ("run.json", "newest.json"))
         except (OSError, ValueError):
@@ -49,16 +53,27 @@ class Store:
 
     def create(self, meta: dict, arrays: dict) -> dict:
         """Begin a run; name -> Place of its arrays."""
-        if (self.folder / "newest.json").exists():
+        self.folder.mkdir(exist_ok=True)
+        self.lock = writing(self.folder, self.out)
+        if (self.folder / "newest.json").exists() and self.file.exists():
             raise CheckpointError(f"{self.out} has checkpoints of a run that was not finished: "
                                   f"continue with `smidgen run --resume {self.out}`, or remove {self.folder}")
-        shutil.rmtree(self.folder, ignore_errors=True)
-        self.folder.mkdir()
+        (self.folder / "newest.json").unlink(missing_ok=True)
+        self.empty()
         self.put("run.json", meta)
         places = lay_out(self.file, arrays)
+        self.sync()
+        return places
+
+    def places(self, arrays: dict) -> dict:
+        """Those of a run that goes on, whose file may have been about to become the result. Raises CheckpointError."""
+        self.found(lambda: lay_out_again(self.file, self.folder / "fresh.h5", arrays))
+        return self.found(lambda: standing(self.file, arrays))
+
+    def sync(self) -> None:
+        """All that has been written to the file is on the disk."""
         with open(self.file, "rb") as file:
             os.fsync(file.fileno())
-        return places
 
     def put(self, name: str, facts: dict) -> None:
         """A small file, complete under its name or not there."""
@@ -73,13 +88,15 @@ class Store:
         self.handle = os.open(self.file, os.O_WRONLY)
 
     def release(self) -> None:
-        if self.handle is not None:
-            os.close(self.handle)
-        self.handle = None
+        """Close the file, and give the lock back."""
+        for handle in (self.handle, self.lock):
+            if handle is not None:
+                os.close(handle)
+        self.handle = self.lock = None
 
     def abandon(self) -> None:
         """Leave no trace, unless there is a checkpoint."""
-        if ranks.first() and not (self.folder / "newest.json").exists():
+        if self.lock is not None and not (self.folder / "newest.json").exists():
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def state(self, count: int) -> Path:
@@ -101,9 +118,33 @@ class Store:
         if keep:
             return
         finish(self.file, meta, rows, columns)
+        self.sync()
         os.replace(self.file, self.out)
         sync_folder(self.out.resolve().parent)
-        shutil.rmtree(self.folder)
+        self.remove()
+
+    def unfinished(self) -> bool:
+        """Is there a run to go on with? What is left of a complete one is removed."""
+        if not self.folder.is_dir():
+            return False
+        kept = {path.name for path in self.folder.iterdir()}
+        if self.out.exists() and ("newest.json" in kept and "result.h5" not in kept or kept <= {"lock"}):
+            self.remove()
+        return self.folder.is_dir()
+
+    def remove(self) -> None:
+        """The folder of a run whose result has its name."""
+        self.empty()
+        (self.folder / "lock").unlink(missing_ok=True)
+        (self.folder / "newest.json").unlink(missing_ok=True)
+        self.folder.rmdir()
+
+    def empty(self) -> None:
+        """Remove all but the lock and what counts."""
+        for path in self.folder.iterdir():
+            if path.name not in ("lock", "newest.json"):
+                path.unlink()
+
 
 
 def told(store, work):

@@ -111,6 +111,22 @@ def digest_of(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()[:DIGEST]
 
 
+def writing(folder: Path, out: Path) -> int:
+    """The handle of the lock in `folder` that the run has which writes `out`: one at a time; the kernel frees the lock of one that dies.
+
+    Raises CheckpointError where another run has it.
+    """
+    place = folder / "lock"
+    try:
+        handle = locked(place, 0o666, wait=False)
+    except OSError as problem:
+        raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
+    if handle is None:
+        raise CheckpointError(f"another run is writing {out}: wait until it has finished")
+    return handle
+
+
+
 class Folder:
     """The parts of one result. Holds the lock from `begin` or `open` to `release`."""
 
@@ -143,14 +159,7 @@ class Folder:
         return folder
 
     def lock(self) -> None:
-        """One run at a time; the kernel frees the lock of one that dies."""
-        place = self.path / "lock"
-        try:
-            self.handle = locked(place, 0o666, wait=False)
-        except OSError as problem:
-            raise CheckpointError(f"cannot use {place}: {problem.strerror}") from None
-        if self.handle is None:
-            raise CheckpointError(f"another run is writing {self.out}: wait until it has finished")
+        self.handle = writing(self.path, self.out)
 
     def release(self) -> None:
         """Give the lock back."""

@@ -70,23 +70,54 @@ def write_at(handle: int, rows: np.ndarray, offset: int) -> None:
         left, offset = left[done:], offset + done
 
 
+def lay_out_again(path: Path, fresh: Path, arrays: dict) -> None:
+    """All bytes of a file outside its arrays as `lay_out` made them, whatever became of them since; fresh: a file to make and remove.
+
+    Raises ValueError where the file is too short for these arrays.
+    """
+    places = lay_out(fresh, arrays)
+    size = fresh.stat().st_size
+    if path.stat().st_size < size:
+        raise ValueError("a shorter file")
+    with open(fresh, "rb") as laid, open(path, "r+b") as file:
+        for begin, end in between(places.values(), size):
+            file.seek(laid.seek(begin))
+            file.write(laid.read(end - begin))
+        file.truncate(size)
+    fresh.unlink()
+
+
+def between(places, size: int):
+    """(begin, end) of each piece of a file that belongs to no array."""
+    begin = 0
+    for place in sorted(places, key=lambda place: place.offset):
+        yield begin, place.offset
+        begin = place.row(place.shape[0])
+    yield begin, size
+
+
 def finish(path: Path, meta: dict, rows: int, columns) -> None:
-    """With metadata and axes, as other files of runs have them; of columns the first `rows` entries."""
+    """With metadata and axes, as other files of runs have them; of columns the first `rows` entries.
+
+    Nothing is written where the arrays were before the file is complete: a run that is killed here finds them there.
+    """
     h5py = needed("h5py", "HDF5")
     with h5py.File(path, "r+") as h5:
-        for name in columns:
-            if len(h5[name]) > rows:
-                shorten(h5, name, rows)
+        longer = [shorten(h5, name, rows) for name in columns if len(h5[name]) > rows]
         label(h5, meta["families"])
         for name, unit in (meta.get("units") or {}).get("columns", {}).items():
             h5[name].attrs["units"] = unit
         put_text(h5, "meta", json.dumps(meta))
+    with h5py.File(path, "r+") as h5:
+        for name in longer:
+            del h5[name]
 
 
-def shorten(h5, name: str, rows: int) -> None:
-    """Of a run that ended early: the entries that there are."""
-    h5.move(name, "longer")
-    old = h5["longer"]
+def shorten(h5, name: str, rows: int) -> str:
+    """Of a run that ended early: the entries that there are; the name of the array that has all."""
+    longer = f"{name}, longer"
+    h5.move(name, longer)
+    old = h5[longer]
     new = h5.create_dataset(name, (rows, *old.shape[1:]), old.dtype)
     for k in range(rows):
         if old.ndim == 1:
@@ -94,4 +125,4 @@ def shorten(h5, name: str, rows: int) -> None:
         else:
             for first in range(0, old.shape[1], BLOCK):
                 new[k, first:first + BLOCK] = old[k, first:first + BLOCK]
-    del h5["longer"]
+    return longer
