@@ -2,6 +2,7 @@
 
     python tests/bench/choose_random.py                  # 100 of them, half an hour: choose_random.csv in docs/cost/lanes_N; continues where it stopped
     python tests/bench/choose_random.py --count 5 --out a.csv
+    python tests/bench/choose_random.py --rows --count 30    # lattices that go by rows: choose_rows.csv
     python tests/bench/choose_random.py --summary        # what the table shows
 
 Each runs until its fastest site has turned by ANGLE, and an end error is drawn between 1e-3 and 1e-10. True errors are against
@@ -27,7 +28,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import smidgen
 from machine import cost_tables
-from fuzz.invent import any_space as spec_text, files_of
+from fuzz.by_rows import row_text
+from fuzz.invent import any_space, files_of
 from smidgen.check.witness import Witness
 from smidgen.cost.measure.case import Case, candidates
 from smidgen.cost.frontier import seconds_for
@@ -48,9 +50,9 @@ LIMIT = 600             # seconds of the clock for one Hamiltonian, of which nea
 REFUSED = "choose refuses:"     # where the end is known: a failure
 
 
-def drawn(seed: int, folder: str):
+def drawn(seed: int, folder: str, rows: bool = False):
     """(spec, case, error asked for, turn of a step of the default method) of a seed."""
-    text, dice = spec_text(random.Random(seed)), random.Random(f"choose {seed}")
+    text, dice = (row_text if rows else any_space)(random.Random(seed)), random.Random(f"choose {seed}")
     for name, content in {"model.toml": text, **files_of(text)}.items():
         Path(folder, name).write_text(content, encoding="utf-8")
     spec = smidgen.load(Path(folder, "model.toml"))
@@ -60,12 +62,12 @@ def drawn(seed: int, folder: str):
     return spec, Case(spec, settle(spec), ANGLE / rate), 10 ** dice.uniform(*ERRORS), math.exp(dice.uniform(*map(math.log, STEPS)))
 
 
-def row_of(seed: int, methods=None) -> dict:
+def row_of(seed: int, methods=None, rows: bool = False) -> dict:
     """The row of a seed; `status` says why there is no more of it."""
     row = {"seed": seed}
     with tempfile.TemporaryDirectory() as folder:
         try:
-            spec, case, asked, turn = drawn(seed, folder)
+            spec, case, asked, turn = drawn(seed, folder, rows)
             row.update(sites=len(case.w), time=case.time, asked=asked)
             known = reference(case)
             witness = Witness(spec, case.settings.parameters, case.settings.effects)
@@ -115,7 +117,7 @@ def too_long(*_):
     raise SmidgenError(f"more than {LIMIT} s")
 
 
-def many(seeds, count: int, path: Path, jobs: int, methods) -> None:
+def many(seeds, count: int, path: Path, jobs: int, methods, rows: bool) -> None:
     """Rows of seeds until `count` Hamiltonians have a choice; those that the file has are not done again."""
     path.parent.mkdir(parents=True, exist_ok=True)
     done = rows_of(path)
@@ -124,7 +126,7 @@ def many(seeds, count: int, path: Path, jobs: int, methods) -> None:
         table = csv.DictWriter(out, COLUMNS, lineterminator="\n")
         if not had:
             table.writeheader()
-        for row in pool.imap(functools.partial(within_limit, methods=methods), (s for s in seeds if s not in had)):
+        for row in pool.imap(functools.partial(within_limit, methods=methods, rows=rows), (s for s in seeds if s not in had)):
             if found >= count:
                 return
             found += row.get("status") == "ok"
@@ -133,12 +135,12 @@ def many(seeds, count: int, path: Path, jobs: int, methods) -> None:
             print(f"{found}/{count}  seed {row['seed']}: {row.get('status')}", file=sys.stderr, flush=True)
 
 
-def within_limit(seed: int, methods) -> dict:
+def within_limit(seed: int, methods, rows: bool) -> dict:
     """The row of a seed, in a process of the pool."""
     signal.signal(signal.SIGALRM, too_long)
     signal.alarm(LIMIT)
     try:
-        return row_of(seed, methods)
+        return row_of(seed, methods, rows)
     finally:
         signal.alarm(0)
 
@@ -182,11 +184,13 @@ def main() -> None:
     parser.add_argument("--methods", type=lambda text: tuple(text.split(",")), metavar="A,B", help="of these only, choice and sweep; default: all")
     parser.add_argument("--jobs", type=int, default=2, help="number of processes to run at the same time")
     parser.add_argument("--seed", type=int, default=0, help="the first")
-    parser.add_argument("--out", type=Path, default=cost_tables() / "choose_random.csv")
+    parser.add_argument("--rows", action="store_true", help="lattices that go by rows, in place of any Hamiltonian")
+    parser.add_argument("--out", type=Path)
     parser.add_argument("--summary", action="store_true", help="measure nothing")
     args = parser.parse_args()
+    args.out = args.out or cost_tables() / ("choose_rows.csv" if args.rows else "choose_random.csv")
     if not args.summary:
-        many(range(args.seed, args.seed + 10 * args.count), args.count, args.out, args.jobs, args.methods)
+        many(range(args.seed, args.seed + 10 * args.count), args.count, args.out, args.jobs, args.methods, args.rows)
     print(words(rows_of(args.out)))
 
 
