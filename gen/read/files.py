@@ -20,6 +20,7 @@ from .tree import Node, number_trouble
 
 LIBRARY = ".library"        # no file of a spec has such a name
 CELL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\Z", re.ASCII)
+WIDEST = 64         # columns that are converted one by one; a wider table is converted as a whole, since a list for each column would take longer
 PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\Z", re.ASCII)
 HOME = "name a file in the folder of the spec or below it, such as `tables/edges.csv`, or name its folder with --library"
 
@@ -210,6 +211,9 @@ def plain_rows(text: str, columns: int) -> list[tuple] | None:
     if wide < columns or not text.isascii() or any(line.count(",") != wide - 1 for line in body):
         return None
     cells = ",".join(body).split(",")
+    if wide > WIDEST:
+        numbers = plain_numbers(cells)
+        return numbers and [tuple(numbers[k:k + wide]) for k in range(0, len(numbers), wide)]
     found = [plain_numbers(cells[k::wide]) for k in range(wide)]
     return None if None in found else list(zip(*found))
 
@@ -227,7 +231,7 @@ def plain_numbers(cells: list[str]) -> list | None:
 def untried(values: list) -> bool:
     """Is a number so large or small that number_trouble() must tell?"""
     sizes = np.abs(np.array(values, float))
-    return not (sizes.max() <= limits.INTEGER and sizes.min(where=sizes > 0, initial=1.0) >= limits.SMALLEST)
+    return not (sizes.max() < limits.INTEGER and sizes.min(where=sizes > 0, initial=1.0) >= limits.SMALLEST)
 
 
 def neighbour(path: Path, folder: str, ending: str | None = None) -> str:

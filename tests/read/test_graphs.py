@@ -8,6 +8,7 @@ from smidgen.compile.assemble.norms import shares
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.plan.ordering import TooMuchFill, symbolic
 from smidgen.errors import RunError
+from smidgen.read import files
 from smidgen.read.files import plain_rows
 
 TEXT = """
@@ -100,8 +101,18 @@ def test_the_norm_fits_the_graph(edges):
 @pytest.mark.quick
 def test_a_plain_table_is_read_as_it_is_cell_by_cell():
     assert plain_rows("i,j\n0,1\n1,2\n", 2) == [(0, 1), (1, 2)] and plain_rows("0,1,0.5\n1,2,-1e-3", 2) == [(0, 1, 0.5), (1, 2, -1e-3)]
-    for odd in ("1;2\n3;4\n", "0,1\n\n1,2\n", "0,1\n1\n", "0, 1\n", "", "i,j\n", "0,1,nan\n", "0,9999999999999999999\n", "0,1,1e400\n", "0,,1\n", "0,1 # c\n", "0\n"):
+    for odd in ("1;2\n3;4\n", "0,1\n\n1,2\n", "0,1\n1\n", "0, 1\n", "", "i,j\n", "0,1,nan\n", "0,9999999999999999999\n", "0,1,1e400\n", "0,9007199254740993\n1,0.5\n", "0,,1\n", "0,1 # c\n", "0\n"):
         assert plain_rows(odd, 2) is None, odd
+
+
+@pytest.mark.quick
+def test_very_many_columns_take_no_longer_than_as_many_rows(monkeypatch):
+    """A file of 64 MB in one line, which is refused later, took minutes with a list for each column."""
+    seen, found = [], files.plain_numbers
+    monkeypatch.setattr(files, "plain_numbers", lambda cells: seen.append(len(cells)) or found(cells))
+    line = ",".join(["1", "0.5"]*50_000)
+    assert plain_rows(f"{line}\n{line}\n", 2) == [(1, 0.5)*50_000]*2 and len(seen) <= files.WIDEST
+    assert plain_rows(f"{line},x\n", 2) is None
 
 
 @pytest.mark.quick
