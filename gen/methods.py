@@ -86,7 +86,7 @@ class Method:
 
     @property
     def responds_by_rows(self) -> bool:
-        """Has it a step by rows for sites that do more than precess? The classical midpoint has none: its |m| is not known, which such sites ask for."""
+        """Has it a step by rows for sites that do more than precess? The classical midpoint has none: such sites need |m|, which is not known."""
         return self.onto_leaf or bool(self.splitting) or self.takes_fields
 
     @property

@@ -147,7 +147,7 @@ class Torque(Term, Effect):
         return Contribution(self.name, self.slots, self.over, conservative=False, push=(*found, strength, family.radius or Num(1)))
 
     def lags(self, spec: Spec) -> bool:
-        """Does Gilbert's damping act on it? In closed form |w| is r then, which is not so in the stages of methods that leave the sphere."""
+        """Does Gilbert's damping act on it? Its closed form then assumes |w| = r, which does not hold in the stages of methods that leave the sphere."""
         dampings = [e.contribution(spec, None).response for e in spec.effects if self.on.family in e.damps]
         return any(law.lag != Num(0) for law in dampings)
 

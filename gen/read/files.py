@@ -219,7 +219,7 @@ def plain_rows(text: str, columns: int) -> list[tuple] | None:
 
 
 def plain_numbers(cells: list[str]) -> list | None:
-    """Those of one column; None where one is no number of ordinary size."""
+    """The numbers in these cells; None if one of them is not a number of ordinary size."""
     if max(map(len, cells)) < 16 and all(map(str.isdigit, cells)):
         return list(map(int, cells))
     if max(map(len, cells)) > 40 or not all(map(CELL.match, cells)):
@@ -229,7 +229,7 @@ def plain_numbers(cells: list[str]) -> list | None:
 
 
 def untried(values: list) -> bool:
-    """Is a number so large or small that number_trouble() must tell?"""
+    """Is any of these so large or so small that number_trouble() must judge it?"""
     sizes = np.abs(np.array(values, float))
     return not (sizes.max() < limits.INTEGER and sizes.min(where=sizes > 0, initial=1.0) >= limits.SMALLEST)
 

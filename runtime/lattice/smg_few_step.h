@@ -7,9 +7,10 @@
  *
  *     (h/2)(1/kappa) s (r sum of norms + abs(m.g)/r),
  *
- * (smg_end_site of smg_sweep.h). Newton takes the step instead where such a bound is above SMG_CONTRACTS, or above
- * SMG_SLOWED where the changes did not shrink faster than that, since true changes might then shrink as slowly as those
- * that smg_rest.h takes for round-off; and where the increments are longer than the largest component of the state. */
+ * (smg_end_site of smg_sweep.h). Newton takes the step instead if such a bound is above SMG_CONTRACTS, or if it is
+ * above SMG_SLOWED and the changes did not shrink by more than that factor: true changes might then shrink as slowly
+ * as those that smg_rest.h takes for round-off. Newton also takes it if the increments are longer than the largest
+ * component of the state. */
 #ifndef SMG_FEW_STEP_H
 #define SMG_FEW_STEP_H
 
@@ -185,8 +186,8 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
   return (whole->stays || next * next <= square) && smg_rest_settled(part, SMG_EPS);
 }
 
-/* Iterates until then: up to which row sums of J - I the step is accepted; 0 where it does not settle soon. Changes
- * that are round-off of the field, whose terms may cancel, need not shrink. */
+/* Iterates until it has settled, and returns the row sums of J - I up to which the step is accepted, or 0 if it does
+ * not settle soon. Changes that are round-off of the field, whose terms may cancel, need not shrink. */
 static smg_real smg_few_settle(smg_state *s, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {

@@ -110,7 +110,7 @@ static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved)
   if (!smg_follow_rows(s, h, a, &path)) return 0;
   const int found_there = smg_missed(s, &path, found) <= SMG_STRAIGHT;
   if (solved && found_there) return 1;
-  if (found_there) smg_rows_copy(s, s->row_m, found); /* slow sweeps go on where they were */
+  if (found_there) smg_rows_copy(s, s->row_m, found); /* slow sweeps continue where they stopped */
   smg_turn_beyond(s, h, a);
   return smg_solve_beyond(s, a) && smg_missed(s, &path, s->row_m) <= SMG_STRAIGHT;
 }

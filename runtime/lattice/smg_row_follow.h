@@ -19,25 +19,25 @@
 #define SMG_PATH_FAR (smg_real)0.5
 #define SMG_PATH_SHORTEST (smg_real)2e-4
 #define SMG_PATH_FIRST (smg_real)0.5
-/* parts of a pace: by which the sweeps that are left out would move midpoints; by which sweeps are to move them */
+/* parts of a pace: how far the sweeps that are left out would move midpoints; how far sweeps should move them */
 #define SMG_PATH_LEFT (smg_real)0.01
 #define SMG_PATH_EASY (smg_real)0.1
-/* the next pace, of the one before, at least and at most */
+/* the ratio of a pace to the one before, at least and at most */
 #define SMG_PATH_LESS (smg_real)0.3
 #define SMG_PATH_MORE 2
 /* a pace counts as this part of the one before, if it is shorter: so little what sweeps left there is of it */
 #define SMG_PATH_NOISE (smg_real)0.25
 
 /* Parts of h and their midpoints, newest first, and behind them what was foreseen; how far that is from the newest
- * ones, and how long the pace was that found these; midpoints where sweeps with the whole of h ended, and whether they
- * solve the step; parts that are known. */
+ * ones, and how long the pace was that found these; the midpoints at which sweeps with the whole of h ended, and
+ * whether they solve the step; how many parts are known. */
 typedef struct smg_row_path {
   smg_real part[SMG_PATH_POINTS + 1], *m[SMG_PATH_POINTS + 1], pace, before;
   const smg_real *found;
   int solved, known;
 } smg_row_path;
 
-/* The largest part of h, to a thirtieth of it, for which the bound holds that is known beforehand. */
+/* The largest part of h, to within a thirtieth, for which the bound that is known beforehand holds. */
 static smg_real smg_certain_part(const smg_state *s, smg_real h) {
   smg_real part = 1;
   while (part > SMG_PATH_SHORTEST && smg_row_factor(&s->c, part * h) > SMG_ROW_BOUND) part *= SMG_PATH_SMALLER;
@@ -113,7 +113,8 @@ static void smg_keep_point(const smg_state *s, smg_row_path *path, smg_real part
   smg_rows_copy(s, oldest, s->row_m);
 }
 
-/* The midpoints of a part from those that are foreseen, to a part of the pace; 0 where a sweep moves them too far. */
+/* Sweeps from the midpoints that are foreseen for a part, until they are exact to a small part of the pace; 0 if a
+ * sweep moves them too far. */
 static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
   smg_turn_beyond(s, part * h, a);
   a->most = SMG_STRAIGHT * pace + SMG_NEARLY * s->scale;
@@ -136,7 +137,7 @@ static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path 
     smg_foresee(s, path, part);
     smg_turn_beyond(s, part * h, a);
     if (!smg_settle_beyond(s, a, SMG_PATH_ROUGH * s->scale)) return 0;
-    path->pace = smg_rows_apart(s, s->row_m, path->m[0]); /* of slow spins much less */
+    path->pace = smg_rows_apart(s, s->row_m, path->m[0]); /* much shorter if spins are slow */
     if (!smg_near_rest(&a->sweep.whole, SMG_PATH_LEFT * path->pace) &&
         !smg_settle_beyond(s, a, SMG_PATH_LEFT * path->pace))
       return 0;
@@ -151,8 +152,8 @@ static smg_real smg_missed(const smg_state *s, const smg_row_path *path, const s
   return smg_rows_apart(s, m, path->m[SMG_PATH_POINTS]) / (pace + SMG_NEARLY * s->scale);
 }
 
-/* One pace: by what part of it what has been found, or what sweeps find, misses what was foreseen. Where what has been
- * found misses it by less than the pace, a shorter one is tried before sweeps are. */
+/* One pace: how far what has been found, or what sweeps find, is from what was foreseen, in units of the pace. If a
+ * solution that has been found misses it by less than one pace, a shorter pace is tried without sweeps. */
 static smg_real smg_pace_to(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path, smg_real part) {
   smg_foresee(s, path, part);
   path->pace = smg_rows_apart(s, s->row_m, path->m[0]);
@@ -166,7 +167,7 @@ static smg_real smg_pace_to(smg_state *s, smg_real h, smg_beyond *a, smg_row_pat
   return rests || missed > SMG_STRAIGHT ? missed : SMG_MAX;
 }
 
-/* The next pace, of this one, whose miss is of second order in it. */
+/* The ratio of the next pace to this one; what a pace misses is of second order in it. */
 static inline smg_real smg_longer(smg_real missed) {
   const smg_real ratio = SMG_MATH(sqrt)(SMG_PATH_EASY / (missed + SMG_EPS));
   return smg_max(SMG_PATH_LESS, smg_min(SMG_PATH_MORE, ratio));

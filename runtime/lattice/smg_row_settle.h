@@ -48,8 +48,9 @@ static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
   return goal > 0 && rest->rate * rest->now <= goal * (1 - rest->rate);
 }
 
-/* Sweeps to rest, or until they are as near to it as `goal`; 0 where they do not come there, or one moves too far. They
- * are not accelerated: so they leave solutions at which the determinant of the equations is negative, behind a fold. */
+/* Sweeps to rest, or until they are as near to it as `goal`; 0 if they do not get there, or if a sweep moves midpoints
+ * too far. They are not accelerated: so they leave solutions at which the determinant of the equations is negative,
+ * behind a fold. */
 static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
   smg_row_sweeping *sweep = &a->sweep;
   do {

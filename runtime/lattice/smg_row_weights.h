@@ -14,8 +14,8 @@
 #include "smg_row_piece.h"
 
 #define SMG_WEIGHINGS 24 /* each takes half a sweep */
-/* weighings that would have to lessen the bound as the last one did, where there is another one: they lessen it less
- * and less */
+/* another weighing is made only if so many, each lessening the bound as much as the last one did, would be enough: they
+ * lessen it less and less */
 #define SMG_WEIGHING_PATIENCE 8
 
 #if SMG_BESIDE_NORMS

@@ -7,7 +7,7 @@
 Each model is compiled once, for any processor of this architecture (no -march=native), and takes N and 2 N steps under callgrind: the difference, divided by N (and by
 the members of an ensemble), is what a step costs once the history is full. `--against` prints the ratios to another table; the exit code is 1 where one is
 above --limit. Counts of one compiler are the same on every machine; those of two are not to be compared.
-Where round-off decides in which step there is one iteration more, N is so large that this hardly counts: a run of 16 spins takes 108 iterations by Newton in one hundred
+If round-off decides in which steps there is one more iteration, N is so large that this hardly matters: a run of 16 spins takes 108 iterations by Newton in one hundred
 steps and 122 in the next.
 """
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Random lattices that must go by rows: every method with a step by rows, with all that such a step serves (docs/lattices.md).
+"""Random lattices that must be stepped by rows: every method that has such a step, with everything that it supports (docs/lattices.md).
 
     text = row_text(random.Random(7))
 
-Which methods these are, and what each of them serves, the registry says (`smidgen.methods`). A comment of the text says that its steps go by
-rows: `# goes: by rows`. One that goes site by site is a fault (`fuzz.through`).
+The registry (`smidgen.methods`) says which methods these are, and what each of them supports. A comment of the text, `# goes: by rows`, says that its
+steps must go by rows; if they go site by site, this is a fault (`fuzz.through`).
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ DECLARED = {"cells": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nsites = 2\n'
             "line": 'size = ["n"]\nboundary = "{0}"\nbonds.b = [{{ at = [[0, 0], [0, 1], [0, 2]] }}]',
             "plaquettes": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ at = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]] }}]',
             "above": 'size = {size}\nboundary = "periodic"\nsites = {sites}\nbonds.b = {bonds}'}
-PAIRED = ("chain", "square", "short rows", "cubic")      # as pair rotations take them: rings of even length, and bonds that are alike
+PAIRED = ("chain", "square", "short rows", "cubic")      # for pair rotations: rings of even length, and bonds that are alike
 FARTHER = {"chain": "next on a chain", "square": "diagonals"}      # two shells of one lattice
 MANY = {"line": ("{k}*triple({0}, {1}, {2})", "{k}*dot({0}, {1})*{2}.{x}", "{k}*{0}.{x}*{1}.{y}*{2}.z"),
         "plaquettes": ("{k}*(dot({0}, {1})*dot({2}, {3}) + dot({1}, {2})*dot({0}, {3}))", "{k}*dot({0}, {1})*dot({2}, {3})", "{k}*dot({0}, {2})*{1}.{x}*{3}.{x}")}
@@ -75,7 +75,7 @@ def kind_of(m) -> tuple:
 
 @dataclass
 class Draft:
-    """A lattice on its way to a text. room: numbers that may still differ from site to site; space: what is said of each family; warm: is there
+    """A lattice for which a text is being written. room: how many numbers may still differ from site to site; space: what is said of each family; warm: is there
     thermal noise? landau: damping in the form of Landau and Lifshitz? curved: an energy that is not quadratic? grows: one without a bound at all times?"""
     dice: object
     method: object
@@ -101,7 +101,7 @@ class Draft:
         return form.format(*vectors, k=self.number(), x=self.dice.choice("xyz"), y=self.dice.choice("xyz"))
 
     def takes(self, numbers: int) -> bool:
-        """Is there room for so many more numbers of a site? Then it is taken."""
+        """Is there room for this many more numbers of a site? If so, it is reserved."""
         fits = numbers <= self.room
         self.room -= numbers * fits
         return fits
@@ -202,7 +202,7 @@ def several_terms(energy) -> bool:
 
 
 def clocked(d, energy) -> str:
-    """A fourth depends on time; what grows without limit is for methods that ask for no bound, and for midpoints, which have one at each step."""
+    """A fourth of them depend on time. Factors that grow without limit are for methods that need no bound, and for the midpoint method, which takes one at each step."""
     if not d.chance(4):
         return energy
     may_grow = d.method.takes_fields or d.method.midpoint and d.method.onto_leaf
@@ -260,12 +260,12 @@ def pair(d) -> bool:
 
 
 def responds(d) -> bool:
-    """Has its step by rows more than precession?"""
+    """Does its step by rows support more than precession?"""
     return d.method.responds and d.method.responds_by_rows
 
 
 def held(d):
-    """Pinned and absent sites; the moving ones are told by a number."""
+    """Pinned and absent sites; a number of each site says whether it moves."""
     if not (responds(d) and d.chance(3) and d.takes(1)):
         return
     for _ in range(d.dice.randint(1, 2)):

@@ -170,7 +170,7 @@ def test_more_sites_than_a_matrix_is_for_go_in_lanes_too(h, same):
 @pytest.mark.long
 @pytest.mark.parametrize("start, effects, h", [("spiral", VORTICES, 0.004), ("random", VORTICES.replace("(4*pi)", "(4*pi*n)"), 0.01)], ids=["spiral", "random"])
 def test_many_vortices_stay_in_lanes(start, effects, h):
-    """Where row sums of J - I are between 1/2 and 3/4, but changes shrink by 1/50; and where those of close vortices are round-off of the field, which do not shrink."""
+    """Row sums of J - I between 1/2 and 3/4, where changes shrink to 1/50; and changes that are round-off of the field of close vortices, and do not shrink."""
     spec = few(effects + SPIRAL, 301)
     lanes, sweeps = (smidgen.build(spec, **how).start(start, h=h).steps(2) for how in ({}, {"solver": "rotation"}))
     assert 0 < np.abs(lanes.w - sweeps.w).max() <= 1e-14

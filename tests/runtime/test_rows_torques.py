@@ -49,7 +49,7 @@ def test_methods_that_take_fields_have_them_by_rows(place, kind, method):
 
 @pytest.mark.parametrize("method", ["dormand-prince-8", "spherical-midpoint"])
 def test_a_damped_torque_is_that_of_the_witness_off_the_sphere(method):
-    """In closed form -|w|^2 w x Q of w x (w x (w x Q)) was taken as that on the sphere: a difference of 1e-9 after 100 such steps."""
+    """In the closed form, the |w|^2 of w x (w x (w x Q)) = -|w|^2 w x Q was once that of the sphere: a difference of 1e-9 after 100 such steps."""
     spec = lattice("large", "chain(n, periodic)", 33, "n", EXCHANGE + DAMPED + TORQUE, more=", radius = 2.5")
     assert collocated(spec, method, steps=10) <= 2e-13
 

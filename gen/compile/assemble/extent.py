@@ -50,7 +50,7 @@ def largest_ever(low, e, ends=NO_ENDS):
 
 
 def expanded(e):
-    """Multiplied out, but for exponentials: exp(-(t - 1)^2) has a bound at all times, its factor exp(2 t) has none."""
+    """Expanded, except inside exponentials: exp(-(t - 1)^2) is bounded at all times, but its factor exp(2 t) is not."""
     held = {x: sp.Dummy(real=True) for x in sp.sympify(e).atoms(sp.exp)}
     return sp.expand(sp.sympify(e).xreplace(held)).xreplace({symbol: x for x, symbol in held.items()})
 

@@ -46,7 +46,7 @@ def slope_bound(model, low: Lowering):
         slope = slope_of(t) if t.slots else sp.S.Zero
         if not slope.is_polynomial(PRODUCT):
             return None
-        held = {x: sp.Dummy(real=True) for x in sp.sympify(slope).atoms(sp.exp)}        # not multiplied out, see `expanded`
+        held = {x: sp.Dummy(real=True) for x in sp.sympify(slope).atoms(sp.exp)}        # not expanded, as in `expanded`
         back = {symbol: x for x, symbol in held.items()}
         values = [low.number_values(x.xreplace(back)) for x in sp.Poly(sp.sympify(slope).xreplace(held), PRODUCT).all_coeffs()[::-1]]
         sizes = [None if low.when(x) > CLOCK else largest_ever(low, abs(x)) for x in values]

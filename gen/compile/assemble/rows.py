@@ -147,7 +147,7 @@ def whole_terms(model, low) -> dict:
     if not lacking(model.whole):
         return {}
     names, found = [t.derived.term.name for t in model.energies], energy_kernels(low, model.whole.energies, "row", model.method)[0]
-    if [t.derived.term.name for t in found] != names:       # of which others are sums over the same bonds
+    if [t.derived.term.name for t in found] != names:       # others are merged here, as sums over the same bonds
         found = [kernels_of(low, derive(e), "row") for e in model.whole.energies]
     return {t.prefix: whole for t, whole in zip(model.energies, found, strict=True)}
 
@@ -361,7 +361,7 @@ def row_part(model, sub: int) -> tuple:
 
 
 def terms_of_place(model, sub: int) -> tuple:
-    """Neighbours in several terms are taken once, those of one term where it needs them."""
+    """Neighbours that occur in several terms are loaded once, the others where their term needs them."""
     known, shared = neighbours(model, sub), shared_neighbours(model, sub)
     own = (Variable("smg_lanes", "own[3]"), Call("smg_take_slots", (*ALL, Pointed("run", "start") + Index("j"), Name("own"))))
     loads = (line for one in shared for n in (known.index(one),) for line in (Variable("smg_lanes", f"b{n}[3]"), taken(one, n, f"b{n}")))
@@ -370,7 +370,7 @@ def terms_of_place(model, sub: int) -> tuple:
 
 
 def shared_neighbours(model, sub: int) -> list:
-    """What stands beside all sites of a place and takes part in several terms."""
+    """The neighbours that all sites of a place have and that occur in several terms."""
     found = [beside(t, bond, k, q) for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
     everywhere = [one for one in dict.fromkeys(found) if not any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset))]
     return [one for one in everywhere if found.count(one) > 1]
@@ -402,7 +402,7 @@ def bonds_of(t, k: int, sub: int) -> list:
 
 def term_of_row(t, k: int, bond, known: list, values=(), shared=()) -> list:
     """The statements that add the gradient of one term; values: names of what differs from site to site;
-    shared: neighbours that are taken already."""
+    shared: neighbours that are loaded already."""
     found = [(q, beside(t, bond, k, q)) for q in range(len(t.slots)) if q != k]
     at = {q: f"b{known.index(one)}" if one in shared else f"v{q}" for q, one in found} | {k: "own"}
     points = [Name(at[q]) for q in range(len(t.slots))]
@@ -413,7 +413,7 @@ def term_of_row(t, k: int, bond, known: list, values=(), shared=()) -> list:
 
 
 def taken_neighbour(one: Beside, n: int, q: int, shared: bool) -> tuple:
-    """The neighbour in slot q of a term, where it is not taken yet, and its own gradient, which nothing asks for."""
+    """Loads the neighbour in slot q of a term, unless it is loaded already, and declares its own gradient, which is not used."""
     rest = Zeros(f"o{q}", 3)
     return (rest,) if shared else (Variable("smg_lanes", f"v{q}[3]"), rest, taken(one, n, f"v{q}"))
 

@@ -263,7 +263,7 @@ class Scalar:
 
     def define_table(self, d):
         values = chain.from_iterable(d.values) if d.columns else d.values
-        rows = map(repr, map(float, values)) if d.kind == "double" else map(str, values)      # number() of many
+        rows = map(repr, map(float, values)) if d.kind == "double" else map(str, values)      # as number() prints them
         if d.columns:
             rows = ("{" + ", ".join(row) + "}" for row in zip(*[rows] * d.columns))
         shape = f"[][{d.columns}]" if d.columns else "[]"

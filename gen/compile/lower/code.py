@@ -358,7 +358,7 @@ class Table(Node):
     wanted: bool = False
 
     def parts(self) -> list:
-        """None: values are numbers."""
+        """No nodes: the values are numbers."""
         return []
 
 

@@ -50,7 +50,7 @@ SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_of_sit
 
 /* ---- one site, z = (z[0] + i z[1], z[2] + i z[3]) ------------------------------------------- */
 
-/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage; of z = 0 both are 0. */
+/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage; both are 0 if z = 0. */
 SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
   const smg_real least = SMG_LEAST + r * SMG_LEAST; /* so that r/least is finite */
   const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + least);

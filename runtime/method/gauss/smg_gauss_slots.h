@@ -46,8 +46,8 @@ SMG_INLINE void smg_put_four(smg_real *all, int64_t pitch, int64_t slot, const s
 
 /* ---- z and w -------------------------------------------------------------------------------- */
 
-/* As smg_lift of smg_gauss_stages.h, with one division in place of two, and for lengths that are not 0. Sites
- * that are not there have w = 0, and z = 0. */
+/* As smg_lift of smg_gauss_stages.h, with one division in place of two, and only for lengths that are not 0. Absent
+ * sites have w = 0 and z = 0. */
 SMG_INLINE void smg_lift(const smg_lanes *w, smg_real r, smg_lanes *z) {
   const smg_lanes zero = {0};
   smg_lanes large = smg_lane_sqrt((smg_real)0.5 * (r + smg_lane_abs(w[2])));
@@ -75,7 +75,8 @@ static void smg_lift_sites(const smg_state *s) {
   }
 }
 
-/* w and what it has lost into slots; empty ones hold a spin that nothing turns, or 0 where a torque would turn it. */
+/* Copies w and what it has lost to rounding into slots. Empty slots hold a spin that nothing turns, or 0 if a torque
+ * would turn it. */
 static void smg_enter_slots(smg_state *s) {
   smg_real *w = smg_slot_component(s, SMG_SLOT_W);
   for (int64_t slot = 0; slot < smg_slots(&s->c); ++slot)

@@ -42,7 +42,7 @@ static inline void smg_hold(smg_state *s, smg_before *b, const struct smg_row_ca
   }
 #endif
   *b = *s;
-  if (rows) return; /* they have no s->before */
+  if (rows) return; /* by rows there is no s->before */
   smg_copy(s->before, s->w, n3);
   smg_copy(s->before + n3, s->compensation, n3);
 }
