@@ -43,7 +43,7 @@ BENT = ("0.2*({0}.x^4 + {0}.y^4 + {0}.z^4)", "{k}*{0}.{x}^3", "exp(-{0}.z^2)/5",
 CLOCK = ("cos(2.1*t)", "(1 + 0.4*sin(5*t))", "exp(-(t - 1)^2)", "min(max(t/3, 0), 1)", "mod(t, T)", "(1 + mod(floor(t/0.7), 3))", "if(mod(t, 1) < 0.5, 1, -1)", "if(t < 0.05, 0.3, 1)")
 GROWING = ("t", "(0.3 + t)", "t^2/4")
 OF_SITES = ("A[k]", "normal(4, k)", "(1 + 0.2*mod(k, 3))", "cos(0.7*mod(k, 16))", "(1 - 2*mod(k, 2))", "floor(k/4)/(1 + k)", "if(uniform(2, k) < 0.4, 1, 0.2)", "A[k]*cos(2*t)", "cos((1 + A[k])*t)", "(A[k] + k/n)")
-PHASES = ("cos(2*t + A[k])", "sin(0.3*k - 1.7*t)", "sin(A[k] - t)")         # two numbers of a site
+PHASES = ("cos(2*t + A[k])", "sin(0.3*mod(k, 16) - 1.7*t)", "sin(A[k] - t)")         # two numbers of a site
 OF_BONDS = ("(1 + 0.2*normal(6, i, j))", "A[i]*A[j]", "(1 + 0.1*mod(i + j, 3))", "normal(6, i, j)*cos(t)")
 OF_NUMBERS = ("uniform(1, b)", "(1 + 0.2*mod(b, 3))", "normal(5, b)*cos(t)")
 DAMPINGS = ("0.3", "q", "abs(a)")
@@ -146,7 +146,8 @@ def sizes(dice, method, place, wave, families) -> tuple:
         return dice.choice((8, 12, 34)), dice.choice((4, 8))
     m = dice.choice((4, 5, 8) if "diagonals" in (place, FARTHER.get(place)) else (3, 4, 8))
     if wave or PLACES[place][1] == "n":
-        return dice.choice((256, 271) if wave else (13, 14, 17, 33, 48)), m
+        few = families > 1 and method.of_midpoints and not method.midpoint
+        return dice.choice((256, 271) if wave else (13, 14, 17) if few else (13, 14, 17, 33, 48)), m
     if method.of_midpoints and not method.midpoint:
         if families > 1:
             return (5, 3) if PLACES[place][1] == "2*n*m" else (7, min(m, 4))
