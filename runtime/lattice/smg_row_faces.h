@@ -165,11 +165,12 @@ static void smg_stay_whole(const smg_coefficients *c) {
   smg_halo.shells = smg_halo.partners = 0;
 }
 
-/* The k-th of n parts of the cells within, along the slowest direction that they are several of. */
-static smg_box smg_inner_part(int64_t k, int64_t n) {
+/* The k-th of n parts of the cells within, along the slowest direction that they are several of; where a part would not
+ * begin where vectors do, the last one is all. */
+static smg_box smg_inner_part(const smg_coefficients *c, int64_t k, int64_t n) {
   smg_box part = smg_halo.inner;
   int d = 3;
-  while (d > 0 && part.to[d] - part.from[d] == 1) --d;
+  while (d > 0 && part.to[d] - part.from[d] == 1 && smg_cut_at_vectors(c, d - 1)) --d;
   const int64_t from = part.from[d], cells = part.to[d] - from, unit = d > 0 ? 1 : SMG_WIDEST;
   part.from[d] = from + cells / unit * k / n * unit;
   if (k + 1 < n) part.to[d] = from + cells / unit * (k + 1) / n * unit;

@@ -47,6 +47,14 @@ static smg_box smg_box_of(const smg_coefficients *c, int64_t rank) {
   return b;
 }
 
+/* Cells of a direction that every part can be counted on to have; at the end of a row the last one may have empty
+ * slots. */
+static int64_t smg_least_cells(const smg_coefficients *c, int d) {
+  const int64_t n = smg_grid(d), unit = smg_cut_unit(d), units = smg_extent(c, d) / unit, least = units / n * unit,
+                inner = (least - 1) * SMG_ROW_STEP, last = smg_cells(c, 0) - units * (n - 1) / n * unit * SMG_ROW_STEP;
+  return d > 0 ? least : inner < last ? inner : last;
+}
+
 /* Does a part hold as many cells of each direction that is cut as couplings reach? */
 static int smg_parts_reach(const smg_coefficients *c) {
   smg_offset beside[SMG_BESIDES];
@@ -54,15 +62,18 @@ static int smg_parts_reach(const smg_coefficients *c) {
   for (int64_t sub = 0; sub < SMG_PLACES; ++sub)
     for (int64_t k = smg_offsets(sub, beside) - 1; k >= 0; --k)
       for (int d = 0; d < 4; ++d) {
-        const int64_t least = smg_extent(c, d) / smg_cut_unit(d) / smg_grid(d) * smg_cut_unit(d), o = beside[k].cell[d],
-                      cells = d > 0 ? least : (least - 1) * SMG_ROW_STEP;
+        const int64_t cells = smg_least_cells(c, d), o = beside[k].cell[d];
         far &= smg_grid(d) == 1 || (o <= cells && -o <= cells);
       }
   return far;
 }
 
-/* Can the lattice be cut so, among that many ranks? The layers of the first direction that is cut begin where vectors
- * do. */
+/* Do layers of a direction, or parts of rows, begin where vectors do? */
+static int smg_cut_at_vectors(const smg_coefficients *c, int d) {
+  return smg_below(c, d > 0 ? d : 1) % SMG_WIDEST == 0;
+}
+
+/* Can the lattice be cut so, among that many ranks? Parts begin where vectors do. */
 static int smg_grid_fits(const smg_coefficients *c, int64_t ranks) {
   int first = 0;
   int64_t all = 1;
@@ -71,8 +82,8 @@ static int smg_grid_fits(const smg_coefficients *c, int64_t ranks) {
     if (smg_grid(d) > 1) first = d;
     all *= smg_grid(d);
   }
-  return all == ranks && smg_below(c, first > 0 ? first : 1) % SMG_WIDEST == 0 && !SMG_TANGENT &&
-         !smg_meet_at_seam(c) && smg_parts_reach(c) && smg_may_divide(c);
+  return all == ranks && smg_cut_at_vectors(c, first) && !SMG_TANGENT && !smg_meet_at_seam(c) && smg_parts_reach(c) &&
+         smg_may_divide(c);
 }
 
 #define smg_part_of_rank(c, all) (all) /* of one that does all */

@@ -41,11 +41,7 @@ static inline int64_t smg_layer_sites(const smg_coefficients *c) {
 #if SMG_GRID
 /* The layers of a rank, as slots and as sites. */
 static smg_box smg_layers_of(const smg_coefficients *c, int64_t rank) {
-  smg_box b;
-  for (int d = 0; d < 4; ++d) {
-    b.from[d] = 0;
-    b.to[d] = smg_extent(c, d);
-  }
+  smg_box b = {{0}, {smg_extent(c, 0), smg_extent(c, 1), smg_extent(c, 2), smg_extent(c, 3)}};
   b.from[SMG_SLOWEST] = smg_extent(c, SMG_SLOWEST) * rank / smg_mpi_parts;
   b.to[SMG_SLOWEST] = smg_extent(c, SMG_SLOWEST) * (rank + 1) / smg_mpi_parts;
   return b;

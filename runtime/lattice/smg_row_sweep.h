@@ -232,7 +232,7 @@ static smg_row_motion smg_turn_colour(const smg_state *s, smg_besides *known, co
   for (int k = 0; k < smg_halo.shells; ++k) smg_turn_box(s, known, turn, pass, smg_halo.shell + k, &moved);
   smg_send_colour(pass.colour);
   for (int64_t k = 0, n = smg_mpi_looks(inner); k < n; ++k) {
-    const smg_box part = smg_inner_part(k, n);
+    const smg_box part = smg_inner_part(&s->c, k, n);
     smg_turn_box(s, known, turn, pass, &part, &moved);
     smg_look_at_colour(pass.colour);
   }

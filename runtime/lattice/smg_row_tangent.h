@@ -217,7 +217,7 @@ static void smg_begin_push(smg_state *s, smg_real h, smg_besides *known, smg_rea
   const size_t size = (size_t)smg_array_size(&s->c);
   smg_real *next = smg_line_from(mem), **all[] = {&q->v, &q->slopes, &q->x, &q->z, &q->g, &q->turn.m};
   smg_know_rows(s, known);
-  smg_by_each_rank();
+  smg_by_each_rank(&s->c);
   smg_begin_team(s, known);
   smg_put_absent(s, 0);
   q->s = s;

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from smidgen.run.distributed.run import run_distributed
 from smidgen.run.files import places
 from smidgen.run.files.checkpoint import CheckpointError, writing
 from smidgen.run.files.places import finish, lay_out, lay_out_again, standing, write_at
+from smidgen.run.step import divided
 from support import crash
 from test_distributed_runs import MAGNET, same
 from test_ranks import MPI, SMALL, needs_mpi4py
@@ -147,6 +149,43 @@ def test_a_run_that_is_still_being_written_is_left_alone(whole, capsys):
     os.close(held)
     go_on()
     assert same("whole.h5", "a.h5")
+
+
+def test_a_run_that_has_just_begun_is_left_alone(tmp_path):
+    """Its folder looks like what is left of the complete run whose result it will replace."""
+    kept = store.Store(tmp_path / "a.h5")
+    kept.folder.mkdir()
+    kept.out.touch()
+    held = writing(kept.folder, kept.out)
+    with pytest.raises(CheckpointError, match="another run is writing"):
+        kept.unfinished()
+    assert kept.folder.is_dir()
+    os.close(held)
+    (kept.folder / "run.json").touch()      # of a run without checkpoints, whose result has its name
+    assert not kept.unfinished() and not kept.folder.is_dir() and kept.lock is None
+
+
+def test_a_folder_that_stays_is_no_failure_of_a_complete_run(tmp_path, monkeypatch):
+    """A network file system keeps files that are open, under other names."""
+    kept = store.Store(tmp_path / "a.h5")
+    kept.folder.mkdir()
+
+    def refused(_):
+        raise OSError("Directory not empty")
+    monkeypatch.setattr(store.Path, "rmdir", refused)
+    kept.remove()
+    assert list(kept.folder.iterdir()) == []
+
+
+def test_ranks_exchange_what_they_save_before_one_of_them_can_fail(tmp_path, monkeypatch):
+    """Others would wait for a rank that cannot open its file."""
+    monkeypatch.setattr(divided.ranks, "grid", "1x2")
+    monkeypatch.setattr(divided.ranks, "count", lambda: 2)
+    model, moved = object.__new__(divided.Divided), []
+    model._now(count=3, first=0, end=4, _state=None, _c=types.SimpleNamespace(part_save=lambda *given: moved.append(given)))
+    with pytest.raises(OSError):
+        store.Store(tmp_path / "a.h5").write_state(model)
+    assert moved == [(None, 0, 0, None)]
 
 
 DRIVER = """

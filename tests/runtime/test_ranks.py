@@ -214,6 +214,14 @@ def test_clean_c(tmp_path, compiler):
     subprocess.run([*words, "-c", f"{spec.name}.c", "-o", "model.o"], cwd=tmp_path, check=True)
 
 
+@needs_mpi
+def test_a_tangent_map_compiles_for_ranks(tmp_path):
+    """Each of them finds all of it."""
+    for file, text in generate(LONG["long cubic"], features=("tangent",)).items():
+        (tmp_path / file).write_text(text)
+    subprocess.run(["mpicc", "-DSMG_MPI", "-std=c11", *include_flags(), "-I.", "-fsyntax-only", "long_cubic.c"], cwd=tmp_path, check=True)
+
+
 # The command. Faults are planted by the driver: at the third checkpoint one rank is killed, interrupted, or fails.
 
 DRIVER = """

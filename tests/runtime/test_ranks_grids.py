@@ -33,12 +33,19 @@ def block(effects=EXCHANGE, over="cubic(16, 4, n, periodic)", n=4, sites="64*n",
 
 
 LARGE = block(over="cubic(32, 4, n, periodic)", sites="128*n")
+REACHING = lattice("reaching", "reaching.all", 130, "6*n", EXCHANGE, """[lattices.reaching]
+size = ["n", 6]
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [3, 0] }, { from = 0, to = 0, offset = [0, 1] }]
+""")    # rows of 65 slots and 7 empty ones
 CASES = {  # -> spec, grids of ranks
     "three directions": (LARGE, ("2x1x1", "1x2x1", "1x1x2", "2x2x1", "2x1x2", "1x2x2", "1x4x1", "1x1x4", "2x2x2")),
     "open": (block(EXCHANGE + DM + FIELD, "cubic(31, 5, n, open)", 5, "155*n"), ("1x2x2", "2x2x1", "1x5x1", "2x1x3")),
     "warm": (block(EXCHANGE + BATH + "kT = 0.4\n"), ("1x2x2", "1x4x1")),
     "in time, by site": (block(EXCHANGE + field(KINDS["a wave"]).replace("omega", "2") + field(KINDS["staggered"], "more")), ("1x2x2", "1x2x1")),
+    "one plane within": (block(over="cubic(18, 16, n, periodic)", n=6, sites="288*n"), ("1x1x2",)),    # of rows that are no whole vectors
     "anisotropy": (block(EXCHANGE + '[effects.easy]\nover = "site(i) of w"\nenergy = "-0.3*w[i].z^2"\n'), ("1x2x2",)),
+    "empty slots at the end": (REACHING, ("3x1",)),
     "two families": (layers(*BONDS, n=48, m=6), ("2x1", "1x3", "2x2")),
     "honeycomb": (lattice("long_honeycomb", "honey.all", 32, "12*n", lattice=HONEY.replace('["n", 3]', '["n", 6]')), ("2x1", "1x2", "2x2")),
     "three colours": (lattice("skew", "skew.near", 48, "6*n", EXCHANGE + DM, SKEW.replace('["n", 4]', '["n", 6]').replace('"periodic"', '"open"')), ("2x1", "1x3", "2x2")),
@@ -134,9 +141,21 @@ def test_init_refuses_what_cannot_be_cut_so(tmp_path):
 
 @needs_mpi
 @pytest.mark.long
+def test_the_last_part_of_a_row_may_be_shorter_than_others(tmp_path):
+    """Of nine vectors the last one has a single site of each colour: bonds of three cells reach beyond it."""
+    programs(tmp_path, REACHING, *SMALL, *ANY)
+    assert bits(tmp_path, "9x1") is None
+    with pytest.raises(UsageError, match="too few vectors of 8 for 9 parts"):
+        cut(REACHING, "9x1", 9)
+    assert cut(REACHING, "8x1", 8) == (8, 1)
+
+
+@needs_mpi
+@pytest.mark.long
 @pytest.mark.parametrize("compiler", [c for c in COMPILERS if "++" not in c])
-def test_clean_c(tmp_path, compiler):
-    for file, text in generate(LARGE, amalgamate=True).items():
+@pytest.mark.parametrize("features", [(), ("tangent",)])
+def test_clean_c(tmp_path, compiler, features):
+    for file, text in generate(LARGE, amalgamate=True, features=features).items():
         (tmp_path / file).write_text(text)
     words = [*mpi_compiler((compiler,)), *COMPILERS[compiler], *WARNINGS, "-DSMG_MPI_GRID=1,2,2", "-Wno-psabi", "-I."]
     subprocess.run([*words, "-c", "block.c", "-o", "model.o"], cwd=tmp_path, check=True)

@@ -6,10 +6,11 @@
     newest.json         which of them counts, and what else a run that goes on must know; it goes last
     lock                held by rank 0 of the run that writes
 
-A run may be killed at any instant. A folder that still has newest.json, but not result.h5, is what is left of a complete run.
+A run may be killed at any instant. A folder beside a result, but without result.h5, is what is left of a complete run.
 """
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
@@ -105,9 +106,10 @@ class Store:
 
     def write_state(self, model) -> None:
         """This rank's part of a saved state, on the disk."""
+        parts = model.save_parts()
         handle = os.open(self.state(model.count), os.O_WRONLY | os.O_CREAT, 0o666)
         try:
-            for begin, numbers in model.save_parts():
+            for begin, numbers in parts:
                 write_at(handle, numbers, begin * model.real.itemsize)
             os.fsync(handle)
         finally:
@@ -124,27 +126,33 @@ class Store:
         self.remove()
 
     def unfinished(self) -> bool:
-        """Is there a run to go on with? What is left of a complete one is removed."""
-        if not self.folder.is_dir():
-            return False
-        kept = {path.name for path in self.folder.iterdir()}
-        if self.out.exists() and ("newest.json" in kept and "result.h5" not in kept or kept <= {"lock"}):
-            self.remove()
+        """Is there a run to go on with? What is left of a complete one is removed. Raises CheckpointError while another run writes there."""
+        if self.is_left():
+            self.lock = writing(self.folder, self.out)
+            try:
+                if self.is_left():
+                    self.remove()
+            finally:
+                self.release()
         return self.folder.is_dir()
+
+    def is_left(self) -> bool:
+        """Does the folder hold nothing to go on with, beside a result?"""
+        return self.folder.is_dir() and self.out.exists() and not self.file.exists()
 
     def remove(self) -> None:
         """The folder of a run whose result has its name."""
         self.empty()
         (self.folder / "lock").unlink(missing_ok=True)
         (self.folder / "newest.json").unlink(missing_ok=True)
-        self.folder.rmdir()
+        with contextlib.suppress(OSError):      # a network file system keeps the lock until it is closed
+            self.folder.rmdir()
 
     def empty(self) -> None:
         """Remove all but the lock and what counts."""
         for path in self.folder.iterdir():
             if path.name not in ("lock", "newest.json"):
                 path.unlink()
-
 
 
 def told(store, work):

@@ -126,7 +126,6 @@ def writing(folder: Path, out: Path) -> int:
     return handle
 
 
-
 class Folder:
     """The parts of one result. Holds the lock from `begin` or `open` to `release`."""
 

@@ -109,11 +109,17 @@ class Divided(Integrator):
         return done.value
 
     def save_parts(self):
-        """(position, numbers) of this rank's part of what `Integrator.save` gives, window by window; the first rank has the head."""
+        """(position, numbers) of this rank's part of what `Integrator.save` gives, window by window; the first rank has the head.
+
+        All ranks call it together; that no other rank waits for one that fails later, all messages are exchanged before it returns.
+        """
+        if ranks.grid is not None and ranks.count() > 1:
+            self._c.part_save(self._state, self.first, self.first, None)    # from blocks to layers
+        return self._saved_parts()
+
+    def _saved_parts(self):
         size, n3 = self._c.savesize(self._state), 3 * self.sites
         head, out = size % n3, Numbers(self._c.savesize(self._state), self.real)
-        if ranks.grid is not None and ranks.count() > 1:
-            self._c.part_save(self._state, self.first, self.first, None)    # all ranks together: from blocks to layers
         for first, count in self.windows():
             self._c.part_save(self._state, first, first + count, out.array.ctypes.data)
             if first == 0:

@@ -61,8 +61,9 @@ class Rows:
     def short(self, d: int, n: int) -> str:
         """Why a direction cannot be cut into n parts."""
         if d == 0:
-            least = self.slots // VECTOR // n * VECTOR
-            return "" if least and self.reach[0] <= (least - 1) * self.step else f"a row of {self.slots} slots has too few vectors of {VECTOR} for {n} parts"
+            vectors = self.slots // VECTOR      # of the last one some slots may be empty
+            least = min((vectors // n * VECTOR - 1) * self.step, self.size[0] - vectors * (n - 1) // n * VECTOR * self.step)
+            return "" if least >= max(1, self.reach[0]) else f"a row of {self.slots} slots has too few vectors of {VECTOR} for {n} parts"
         return "" if self.size[d] // n >= max(1, self.reach[d]) else f"direction {d} has {self.size[d]} cells, too few for {n} parts"
 
     def surface(self, grid) -> float:
