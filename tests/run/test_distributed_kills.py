@@ -1,4 +1,5 @@
 """A distributed run that is killed at any instant goes on with the same bits, and leaves nothing behind."""
+import json
 import os
 import random
 import signal
@@ -132,7 +133,7 @@ def test_arrays_stay_where_they_were_until_the_file_is_complete(tmp_path):
         write_at(handle, w, found["w"].offset)
         os.close(handle)
         ended = crash.forked(lambda: [InParts(at), finish(path, {"families": {"w": 5}}, 2, ["t", "w"])] and 0)
-        lay_out_again(path, tmp_path / "fresh.h5", arrays)
+        lay_out_again(path, tmp_path / "fresh.h5", arrays, {name: place.offset for name, place in found.items()})
         assert standing(path, arrays) == found and np.array_equal(np.fromfile(path, count=45, offset=found["w"].offset).reshape(w.shape), w)
         if ended == 0:
             break
@@ -186,6 +187,16 @@ def test_ranks_exchange_what_they_save_before_one_of_them_can_fail(tmp_path, mon
     with pytest.raises(OSError):
         store.Store(tmp_path / "a.h5").write_state(model)
     assert moved == [(None, 0, 0, None)]
+
+
+def test_arrays_at_other_places_are_left_alone(whole, capsys):
+    """As those of another version of HDF5 might be."""
+    crash.forked(lambda: [InParts(70), begun()] and 0)
+    found = store.Store("a.h5").folder / "places.json"
+    other, before = {name: at + 8 for name, at in json.loads(found.read_text()).items()}, store.Store("a.h5").file.read_bytes()
+    found.write_text(json.dumps(other))
+    assert main(["run", "--resume", "a.h5"]) == 8 and "not those of the checkpoint" in capsys.readouterr().err
+    assert store.Store("a.h5").file.read_bytes() == before
 
 
 DRIVER = """

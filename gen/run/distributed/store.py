@@ -2,6 +2,7 @@
 
     result.h5           all arrays at their places (files/places.py); metadata come last
     run.json            the metadata of the run, all that is needed to repeat it
+    places.json         where the arrays of result.h5 begin
     state-<count>.bin   with checkpoints, the saved state after `count` steps, and
     newest.json         which of them counts, and what else a run that goes on must know; it goes last
     lock                held by rank 0 of the run that writes
@@ -61,14 +62,16 @@ class Store:
                                   f"continue with `smidgen run --resume {self.out}`, or remove {self.folder}")
         (self.folder / "newest.json").unlink(missing_ok=True)
         self.empty()
+        sync_folder(self.folder.resolve().parent)
         self.put("run.json", meta)
         places = lay_out(self.file, arrays)
         self.sync()
+        self.put("places.json", {name: place.offset for name, place in places.items()})
         return places
 
     def places(self, arrays: dict) -> dict:
         """Those of a run that goes on, whose file may have been about to become the result. Raises CheckpointError."""
-        self.found(lambda: lay_out_again(self.file, self.folder / "fresh.h5", arrays))
+        self.found(lambda: lay_out_again(self.file, self.folder / "fresh.h5", arrays, json.loads((self.folder / "places.json").read_text())))
         return self.found(lambda: standing(self.file, arrays))
 
     def sync(self) -> None:

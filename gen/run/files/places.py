@@ -70,15 +70,16 @@ def write_at(handle: int, rows: np.ndarray, offset: int) -> None:
         left, offset = left[done:], offset + done
 
 
-def lay_out_again(path: Path, fresh: Path, arrays: dict) -> None:
-    """All bytes of a file outside its arrays as `lay_out` made them, whatever became of them since; fresh: a file to make and remove.
+def lay_out_again(path: Path, fresh: Path, arrays: dict, offsets: dict) -> None:
+    """All bytes of a file outside its arrays as `lay_out` made them, whatever became of them since; fresh: a file to make and remove;
+    offsets: name -> where an array began then.
 
-    Raises ValueError where the file is too short for these arrays.
+    Raises ValueError where this HDF5 lays arrays out in another way, or the file is too short for them.
     """
     places = lay_out(fresh, arrays)
     size = fresh.stat().st_size
-    if path.stat().st_size < size:
-        raise ValueError("a shorter file")
+    if path.stat().st_size < size or {name: place.offset for name, place in places.items()} != offsets:
+        raise ValueError("another file")
     with open(fresh, "rb") as laid, open(path, "r+b") as file:
         for begin, end in between(places.values(), size):
             file.seek(laid.seek(begin))
