@@ -290,13 +290,14 @@ def damped(d):
 def pushed(d):
     """Torques: in closed form, at all sites alike or not; of other forms, and of neighbours, where these are part of the field, which has no bound beside that damping.
 
-    Those of neighbours where kappa is not of each site: they are divided by it, and so differ from bond to bond."""
+    Those of neighbours where kappa is not of each site: they are divided by it, and so differ from bond to bond. Beside absent sites
+    neither these nor such that are no product with the vector: conditions stand in them."""
     if not (responds(d) and d.chance(3)):
         return
-    name = d.dice.choice(d.names)
+    name, gone = d.dice.choice(d.names), any("absent" in effect for effect in d.effects)
     if (d.method.takes_fields and len(d.names) == 1 or d.method.of_midpoints and not d.landau) and d.chance(2):
-        d.effect(f"site(k) of {name}", torque=d.dice.choice(OPEN[:3]).replace("{w}", f"{name}[k]"))
-        if d.place not in MANY and not any(f"kappa = {x}" in d.space[name] for x in KAPPAS) and d.chance(3):
+        d.effect(f"site(k) of {name}", torque=d.dice.choice(OPEN[:3:1 + gone]).replace("{w}", f"{name}[k]"))
+        if d.place not in MANY and not gone and not any(f"kappa = {x}" in d.space[name] for x in KAPPAS) and d.chance(3):
             d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", torque=BESIDE.replace("{w}", name))
     elif d.takes(6):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(CLOSED + CLOSED_BY_SITE).replace("{w}", f"{name}[k]"))

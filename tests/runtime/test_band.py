@@ -165,7 +165,7 @@ MUTANTS = {
                                  "q->E[c < 0 ? (c + k + 1) % k : c - m]"),
     "wrap to the wrong side": ("q->E[c < 0 ? c + k : c - m]", "q->E[c < 0 ? -1 - c : c - m]"),
     "border window one column late": ("const int64_t next = i + 1 + k;", "const int64_t next = i + k;"),
-    "ring indices do not wrap": ("if (d < -k) d += n;", ""),
+    "ring indices do not wrap": ("if (d < -k) d += n;", "(void)n;"),
     "border rows miss their wrapped blocks": ("smg_band_open_border(n, k, 0, A, q);",
                                               "smg_band_open_border(n, k, 1, A, q);"),
     "border's own blocks transposed": ("t - s + k) * SMG_BB", "s - t + k) * SMG_BB"),

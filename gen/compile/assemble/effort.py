@@ -37,8 +37,8 @@ class Effort:
 
 NOTHING = Effort(0)
 # Bytes of stack with gcc and clang at -O1 or more, registers of any width, in doubles: tests/runtime/test_most.py measures 4,100 at most where there are no
-# lattices, 33,000 with the basis of a Krylov space (smg_krylov_small), 39,500 by rows, whose pieces stand there.
-STACK, LARGE_STACK = 8192, 49152
+# lattices, 33,000 with the basis of a Krylov space (smg_krylov_small), 55,000 by rows, whose pieces stand there.
+STACK, LARGE_STACK = 8192, 65536
 
 
 def number(name: str, which=max) -> int:
