@@ -51,8 +51,15 @@ def largest_ever(low, e, ends=NO_ENDS):
 
 def expanded(e):
     """Expanded, except inside exponentials: exp(-(t - 1)^2) is bounded at all times, but its factor exp(2 t) is not."""
-    held = {x: sp.Dummy(real=True) for x in sp.sympify(e).atoms(sp.exp)}
-    return sp.expand(sp.sympify(e).xreplace(held)).xreplace({symbol: x for x, symbol in held.items()})
+    held, back = without_exponentials(e)
+    return sp.expand(held).xreplace(back)
+
+
+def without_exponentials(e) -> tuple:
+    """e with symbols in place of its exponentials, and {symbol: exponential}."""
+    e = sp.sympify(e)
+    held = {x: sp.Dummy(real=True) for x in e.atoms(sp.exp)}
+    return e.xreplace(held), {symbol: x for x, symbol in held.items()}
 
 
 def in_cosines(e):

@@ -13,7 +13,7 @@ from ..lower.kernels import COEFFICIENTS, TermKernels
 from ..lower.lowering import CLOCK, Lowering
 from ..plan.colouring import one_colour
 from ..plan.splitting import bond_classes, of_the_product, sublattices
-from .extent import largest_ever
+from .extent import largest_ever, without_exponentials
 from .part import Part
 from .sublattices import fitting
 
@@ -46,9 +46,8 @@ def slope_bound(model, low: Lowering):
         slope = slope_of(t) if t.slots else sp.S.Zero
         if not slope.is_polynomial(PRODUCT):
             return None
-        held = {x: sp.Dummy(real=True) for x in sp.sympify(slope).atoms(sp.exp)}        # not expanded, as in `expanded`
-        back = {symbol: x for x, symbol in held.items()}
-        values = [low.number_values(x.xreplace(back)) for x in sp.Poly(sp.sympify(slope).xreplace(held), PRODUCT).all_coeffs()[::-1]]
+        held, back = without_exponentials(slope)        # not expanded, as in `expanded`
+        values = [low.number_values(x.xreplace(back)) for x in sp.Poly(held, PRODUCT).all_coeffs()[::-1]]
         sizes = [None if low.when(x) > CLOCK else largest_ever(low, abs(x)) for x in values]
         if None in sizes:
             return None
