@@ -12,7 +12,7 @@ from ...language.spec import Lattice
 from ...language.sublattice import together
 from ...resources import runtime_numbers
 
-VECTOR = 8      # slots, SMG_WIDEST: parts begin where vectors do
+VECTOR = runtime_numbers()["SMG_WIDEST"][0]      # slots: parts begin where vectors do
 NOT_BY_ROWS = "--grid: only lattices processed by rows with a midpoint method can be cut into blocks"
 
 
