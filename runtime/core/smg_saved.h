@@ -111,6 +111,9 @@ SMG_RARE static void smg_save_state(const smg_state *s, smg_real *out) {
   if (!out) return;
 #endif
   out[SMG_SAVED_SIZE] = (smg_real)smg_saved_size(&s->c);
+#if SMG_LAYERS_APART
+  if (smg_is_divided() && smg_layers_held != s) out[SMG_SAVED_SIZE] = 0; /* which restore refuses */
+#endif
   out[SMG_SAVED_PAST] = (smg_real)smg_saved_past(&s->c);
   out[SMG_SAVED_T0] = (smg_real)s->t0;
   out[SMG_SAVED_H] = (smg_real)s->h;

@@ -59,6 +59,8 @@ static void smg_clear_rows(const smg_state *s);
 #endif
 #if SMG_LAYERS_APART
 static void smg_move_saved(const smg_state *s, enum smg_carried_where where);
+/* Of which state layers are held; without them nothing can be saved. */
+static const smg_state *smg_layers_held = NULL;
 #endif
 static inline void smg_make_tables(smg_state *s);
 static inline void smg_forget_rows(const smg_state *s);

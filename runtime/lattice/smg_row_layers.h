@@ -29,7 +29,8 @@ static void smg_carry(const smg_coefficients *c, smg_real *array, int64_t pitch,
     const int sent = smg_box_type(c, &goes, pitch, &out), got = smg_box_type(c, &comes, pitch, &in);
     for (int64_t q = 0; q < colours; ++q) {
       smg_real *first = array + q * smg_colour_slots(c);
-      MPI_Sendrecv(first, sent, out, to, 3, first, got, in, from, 3, SMG_MPI_COMM, MPI_STATUS_IGNORE);
+      MPI_Sendrecv(first, sent, out, sent ? to : MPI_PROC_NULL, 3, first, got, in, got ? from : MPI_PROC_NULL, 3,
+                   SMG_MPI_COMM, MPI_STATUS_IGNORE);
     }
     if (sent) MPI_Type_free(&out);
     if (got) MPI_Type_free(&in);
@@ -51,17 +52,16 @@ static void smg_drop_layers(const smg_coefficients *c, smg_real *array, int64_t 
 }
 
 /* All that a saved state has: to layers, dropped there, or from layers to blocks. */
-static int smg_layers_held = 0;
 static void smg_carry_array(const smg_coefficients *c, smg_real *array, int64_t pitch, int64_t colours,
                             enum smg_carried_where where) {
   if (where != SMG_DROPPED) smg_carry(c, array, pitch, colours, where == SMG_TO_LAYERS);
   if (where != SMG_TO_LAYERS) smg_drop_layers(c, array, pitch, colours);
 }
 static void smg_carry_saved(const smg_state *s, int history, int64_t late, enum smg_carried_where where) {
-  if (smg_mpi_parts == 1 || (where == SMG_DROPPED && !smg_layers_held)) return;
+  if (smg_mpi_parts == 1 || (where == SMG_DROPPED && smg_layers_held != s)) return;
   smg_carry_array(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS, where);
   for (int j = 0; j < history; ++j) smg_carry_array(&s->c, s->past[j], late, SMG_COLOURS - 1, where);
-  smg_layers_held = where == SMG_TO_LAYERS;
+  smg_layers_held = where == SMG_TO_LAYERS ? s : NULL;
 }
 
 /* w, by slots. */

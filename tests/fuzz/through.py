@@ -223,10 +223,10 @@ class Passage:
         return told
 
     def shared_library(self):
-        """The library that Python calls, compiled with every warning an error, but for functions of the other unit: the numbers of the program."""
+        """The library that Python calls, compiled with every warning an error, but for functions and tables of the other unit: the numbers of the program."""
         self.stage("library")
         compiler, level = self.shared_by
-        with builds((*STANDARD, level, *STRICT, "-Wno-unused-function"), self.where / "cache", compiler):
+        with builds((*STANDARD, level, *STRICT, "-Wno-unused-function", "-Wno-unused-const-variable"), self.where / "cache", compiler):
             built = build_library(self.scene, self.settings.method, self.settings.solver, "double", False, self.features,
                                   generate=lambda *_: self.files)
         prepared = prepare(self.spec, self.settings.method, self.settings.effects, self.settings.parameters, self.settings.solver)
@@ -261,6 +261,7 @@ class Passage:
         began = time.process_time()
         with contextlib.suppress(RunError):
             pair.witness.steps(self.w, self.t, self.h, 1, self.settings.method)
+        self.stage("witness")       # its time begins again: one such step may take most of it
         return max(1, min(taken, int(JUDGED / (time.process_time() - began))))
 
     def program_and_library(self, pair):

@@ -94,6 +94,8 @@ int main(int argc, char **argv) {{
   status += {M}_steps(&s, 5);
   say(argv[1], rank, &s);
 #if defined(SMG_MPI) && defined(SMG_MPI_GRID)
+  {M}_save_part(&s, from, to, out);
+  status += to - from < sites && {M}_restore(&s, out) != SMG_BAD_PARAMETER;    /* not what others have of it */
   {M}_save_part(&s, from, from, NULL);
 #endif
   /* saved layer by layer, and restored where nothing else is known */

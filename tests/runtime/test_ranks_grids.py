@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+from itertools import product
 from math import prod
 
 import pytest
@@ -12,6 +13,7 @@ from smidgen import ranks
 from smidgen.build.mpi import mpi_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.errors import UsageError
+from smidgen.resources import include_flags
 from smidgen.run.step.grid import Rows, grid_of
 from smidgen.run.step.prepared import prepare
 from smidgen.run.step.start import initial_state
@@ -250,6 +252,44 @@ def test_a_grid_is_three_numbers_or_auto(monkeypatch):
     for asked in ("0x2", "axb", "2x", "", "1x1x1x1x2"):
         with pytest.raises(UsageError, match="give the number of ranks along each direction"):
             ranks.arrange(asked)
+
+
+# Which of the grids that it is given, in fours of numbers, C takes.
+FITS = """#include <stdlib.h>
+#include <stdio.h>
+#include "{M}.c"
+int main(int argc, char **argv) {{
+  static const char *names[4] = {{"GRID_0", "GRID_1", "GRID_2", "GRID_3"}};
+  {M}_params p;
+  {M}_model model;
+  smg_coefficients c;
+  {M}_defaults(&p);
+  int status = {M}_model_init(&model, &p);
+  smg_begin(&c, &model, 0);
+  for (int k = 1; k + 3 < argc; k += 4) {{
+    int64_t ranks = 1;
+    for (int d = 0; d < 4; ++d) setenv(names[d], argv[k + d], 1), ranks *= atoi(argv[k + d]);
+    printf("%d", smg_grid_fits(&c, ranks));
+  }}
+  return status;
+}}
+"""
+
+
+@needs_mpi
+@pytest.mark.parametrize("name", [n if n == "honeycomb" else pytest.param(n, marks=pytest.mark.long) for n in CASES])
+def test_the_command_and_c_cut_the_same(tmp_path, name):
+    spec = CASES[name][0]
+    rows = Rows(prepare(spec, "spherical-midpoint"))
+    grids = list(product((1, 2, 3, 4, 5, 8, 9), repeat=len(rows.size)))[1:]
+    for file, text in generate(spec).items():
+        (tmp_path / file).write_text(text)
+    (tmp_path / "fits.c").write_text(FITS.format(M=spec.name))
+    subprocess.run(["mpicc", "-DSMG_MPI", "-std=c11", "-w", "-ffp-contract=off", *SMALL, *ANY, *include_flags(), "-I.", "fits.c", "-o", "fits", "-lm"], cwd=tmp_path, check=True)
+    said = subprocess.run(["./fits", *(str(n) for grid in grids for n in (*grid, 1, 1, 1)[:4])], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    taken = [grid for grid in grids if not rows.refused(grid)]
+    assert [grid for grid, fits in zip(grids, said) if fits == "1"] == taken and len(said) == len(grids)
+    assert taken and len(taken) < len(grids)
 
 
 MAGNET = block(EXCHANGE + FIELD)

@@ -64,6 +64,12 @@ def test_rows_solve_the_step_at_its_time(name, method):
     assert np.abs(model.steps(5).w - (found if np.ndim(found) == 2 else found[-1])).max() <= 2e-14 * np.abs(w).max()
 
 
+def test_a_pulse_beside_another_effect_on_the_same_bonds_is_bounded():
+    """In their sum exp(-(t - 1)^2) stays whole: multiplied out it has a factor exp(2 t), which grows."""
+    pulsed = EXCHANGE + '[effects.pulse]\nover = "bond(i, j) of {over}"\nenergy = "-0.7*exp(-(t - 1)^2)*w[i].x*w[j].x"\n'
+    assert by_rows(lattice("pulsed", "square(n, 4, periodic)", 6, "4*n", pulsed), TURNS)
+
+
 @pytest.mark.parametrize("name", [pytest.param(n, marks=() if n == "even ring" else pytest.mark.long) for n in LINEAR])
 def test_turns_have_the_bits_of_those_from_site_to_site(name):
     """Where sites of a colour do not meet; a build for ensembles goes from site to site."""

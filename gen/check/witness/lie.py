@@ -117,8 +117,8 @@ def exponential(witness, w, t: float, h: float):
     def stage(v):
         x = turn(v)
         square = np.sum(x * x, axis=1)
-        half = np.sqrt(square) / 2
-        k = np.divide(1 - half / np.tan(half), square, out=np.full_like(half, 1 / 12), where=half > 1e-4)[:, None, None]
+        half = np.maximum(np.sqrt(square) / 2, 1e-4)    # below, k is 1/12
+        k = ((1 - half / np.tan(half)) / (4 * half * half))[:, None, None]
         outer = x[:, :, None] * x[:, None, :] - square[:, None, None] * np.eye(3)
         return np.linalg.solve(np.eye(3) + matrices(x) / 2 + k * outer, w[:, :, None])[:, :, 0]
     v = at_rest(stage, w)

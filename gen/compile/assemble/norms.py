@@ -18,6 +18,7 @@ from ..lower.code import Argument, Assign, Call, Entry, Function, Name, Ordered,
 from ..lower.integers import ONE, Index
 from ..lower.loops import SITE as OWN
 from ..lower.lowering import CLOCK
+from .extent import expanded
 from .families import SITE, by_family
 
 ROUNDS = 30     # of the iteration for d; a graph of a thousand sites gains less than 1 % by more
@@ -159,12 +160,12 @@ def spectral_bound(block, joined=()):
     antisymmetric one. joined: of a sum, from which the multiple of I is taken first, so that the bound is about that of its terms, or less."""
     even, odd = (block + block.T) / 2, (block - block.T) / 2
     scale, even = isotropic(even) if joined else (sp.S.Zero, even)
-    return sp.Abs(scale) + even_bound(even.applyfunc(sp.expand)) + sp.sqrt(sum(x.expand() ** 2 for x in (odd[0, 1], odd[0, 2], odd[1, 2])))
+    return sp.Abs(scale) + even_bound(even.applyfunc(expanded)) + sp.sqrt(sum(expanded(x) ** 2 for x in (odd[0, 1], odd[0, 2], odd[1, 2])))
 
 
 def isotropic(block) -> tuple:
     """(the third of the trace, the rest)."""
-    scale = sp.expand(block.trace() / 3)
+    scale = expanded(block.trace() / 3)
     return scale, block - scale * sp.eye(3)
 
 
