@@ -19,6 +19,12 @@ def pushed(torque: str, over="site(i) of w", name="push") -> str:
     return f'[effects.{name}]\nover = "{over}"\ntorque = "{torque}"\n'
 
 
+def test_a_torque_of_all_pairs_prevents_it():
+    """Beside bonds that differ."""
+    bonds = EXCHANGE.replace('energy = "', 'energy = "(1 + 0.2*uniform(6, i, j))*', 1) + pushed("0.05*cross(w[i], cross(w[i], w[j]))", "pair(i, j) of w")
+    assert generate(drawn("ring", bonds=bonds)).notes["reason"].endswith("site by site, because `push` is a sum neither over the sites nor over the bonds of the lattice")
+
+
 OWN = pushed("0.2*w[i].z*cross(w[i], vec(0, 1, 0))")
 TORQUES = {
     "own": OWN, "damped": OWN + WARM, "held": OWN + PINNED + ABSENT, "in time": pushed("0.3*cos(t)*cross(w[i], cross(w[i], vec(w[i].x, 0, 0)))"),

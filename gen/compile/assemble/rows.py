@@ -96,10 +96,12 @@ def rows_of(model, low, over, some, laws):
     whole, bounded, rated, radii = in_cells(model, some, over), not model.method.takes_fields, unlike_in(model, "kappa"), unlike_in(model, "radius") and not model.method.by_field
     terms = [whole.get(t.prefix, t) for t in model.fields]
     why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, some.values())), None)
+    if why_not:
+        return why_not
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
     first, numbers = firsts(model, [*((t, count(low, t)) for t in apart), *((t, numbers_of(low, t, joined[t.prefix])) for t in terms if t.prefix in joined)])
-    why_not = why_not or of_numbers(numbers + bool(model.moving and not laws) + rated + radii + len(laws)) or (of_radii(model, terms) if bounded else None)
+    why_not = of_numbers(numbers + bool(model.moving and not laws) + rated + radii + len(laws)) or (of_radii(model, terms) if bounded else None)
     if why_not:
         return why_not
     bounds, timely = bounds_of_terms(low, terms, radii_of(model), model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
