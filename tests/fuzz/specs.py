@@ -7,7 +7,7 @@
 
 One line a spec goes to out/fuzz/specs.csv; a table closes the run. What is found lies in out/fuzz/specs/SEED: the whole
 text, the smallest one with the same fault, and what was said. The exit status is 1 then. Each spec has a process of its
-own; one that takes more than SECONDS of processor time for a stage, or too much memory, is ended and is a fault.
+own; one that takes more than SECONDS of processor time for a stage, LONGER of them, or too much memory, is ended and is a fault.
 """
 from __future__ import annotations
 
@@ -42,6 +42,7 @@ from .through import SECONDS, Fault, through
 
 OUT = Path(__file__).parents[2] / "out" / "fuzz"
 HOUR, MEMORY = 600, 4 << 30     # seconds by the clock and bytes that no spec takes
+LONGER = {"witness": 4}         # times SECONDS: a composition of many stages on hundreds of sites, twice
 COLUMNS = ("seed", "code", "verdict", "stage", "seconds", "layout", "sites", "method", "solver", "features", "program", "library", "judged", "kinds", "said")
 KINDS = {"sphere": r"sphere =", "r3": r"r3 =", "nambu": r"nambu =", "tracer": r"tracer = true", "families": r"\[starts\.s\.",
          "single site": r"(sphere|r3|nambu) = 1\b", "count of one": r'"one"', "count run": r'(sphere|r3|nambu) = "[nm2]', "kappa(i)": r'kappa = ".*\bi\b',
@@ -97,7 +98,7 @@ class Child:
             self.process.join()
             return self.fault(f"the process died: {self.process.exitcode}")
         self.used, memory = usage(self.process.pid) or (self.used, 0)
-        if self.used - self.before > self.limit or time.monotonic() - self.began > HOUR:
+        if self.used - self.before > self.limit * LONGER.get(self.row["stage"], 1) or time.monotonic() - self.began > HOUR:
             return self.fault(f"hangs: {self.used - self.before:.0f} s of processor time in this stage")
         return self.fault(f"memory: {memory >> 20} MiB") if memory > MEMORY else False
 
