@@ -185,7 +185,7 @@ def refuse_choices(args, said="--repeat repeats a run unchanged and can be combi
 def report(args, result, code: int):
     """The summary: on stdout, unless the table goes there."""
     if ranks.count() > 1 and not result.meta["chosen"].get("ranks"):
-        say(f"note: each of the {ranks.count()} ranks took all steps, because only lattices processed by rows can be shared")
+        say(f"note: each of the {ranks.count()} ranks took all steps, because only lattices processed by rows with a midpoint method can be shared")
     tell = say if args.out == "-" else print
     if args.json:
         return printed(facts(args, result, code))
