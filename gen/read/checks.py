@@ -300,9 +300,9 @@ def lattice(over: Lattice, family: str, count: int, path: tuple, values: dict) -
 
 def loops(over: Lattice, size: list[int], path: tuple) -> Iterator[Trouble]:
     """A bond whose ends are one site because a periodic direction is too short."""
-    for bond in over.bonds if over.family else ():
-        ends = {(sub, tuple(o % n if p else o for o, n, p in zip(off, size, over.periodic)))
-                for sub, off in bond}
+    for bond in over.bonds:
+        ends = {(home, sub, tuple(o % n if p else o for o, n, p in zip(off, size, over.periodic)))
+                for home, (sub, off) in zip(families_of(over).values(), bond)}
         if len(ends) < len(bond):
             yield Trouble(path, codes.BOND, f"with {' x '.join(map(str, size))} periodic cells a bond would join a site to itself", "make the lattice larger, or its boundary open")
             return

@@ -138,46 +138,101 @@ ACCESSES = [("gamma[i] + 1", "1"), ("1 + F[i]", "1"), ("1 + gamma[2*i - i]", "1"
             ("1", "gamma[n - 1 - i]")]
 BOX = [(n, m, k) for n in range(6) for m in range(5) for k in range(-1, 5)]
 TRY = """
-static void try{number}(int64_t n, int64_t m, int64_t k) {{
+static void try_{name}(int64_t n, int64_t m, int64_t k) {{
   double gamma[8], A[32];
   for (int e = 0; e < 8; ++e) gamma[e] = e < n ? 1 : (double)NAN; /* what is not its own reads as not finite */
   for (int e = 0; e < 32; ++e) A[e] = e < n * m ? 1 : (double)NAN;
-  access{number}_params p;
-  access{number}_model model;
-  access{number}_defaults(&p);
+  {name}_params p;
+  {name}_model model;
+  {name}_defaults(&p);
   p.n = n;
   p.m = m;
   p.k = k;
   p.gamma = gamma;
   p.A = A;
-  printf("%d ", (int)access{number}_model_init(&model, &p));
+  printf("%d ", (int){name}_model_init(&model, &p));
 }}
 """
 
 
-def accepted(spec, n, m, k):
+def accepted(spec, place):
     try:
-        return bool(select(spec, None, {"n": n, "m": m, "k": k}))
+        return bool(select(spec, None, dict(zip("nmk", place))))
     except UsageError:
         return False
+
+
+def said_by_c(folder, specs, one_try, box, method="spherical-midpoint"):
+    """The status of each size of the box, as the C of each spec has it."""
+    files = {name: text for spec in specs for name, text in generate(spec, method).items() if not name.endswith("_abi.c")}
+    heads = "".join(f'#include "{spec.name}.h"\n' for spec in specs)
+    tries = "".join(one_try.format(name=spec.name) for spec in specs)
+    arguments = ", ".join(f"box[b][{k}]" for k in range(len(box[0])))
+    calls = "".join(f'  for (int b = 0; b < {len(box)}; ++b) try_{spec.name}({arguments});\n  puts("");\n' for spec in specs)
+    sizes = ", ".join(f"{{{', '.join(map(str, place))}}}" for place in box)
+    main = f"{heads}#include <stdio.h>\n{tries}\nint main(void) {{\n  static const int box[][{len(box[0])}] = {{{sizes}}};\n{calls}  return 0;\n}}\n"
+    write_files({**files, "main.c": main}, folder)
+    subprocess.run(["gcc", "-std=c11", *WARNINGS, "-O0", *include_flags(), "-I.", *sorted(f for f in files if f.endswith(".c")),
+                    "main.c", "-lm", "-o", "program"], cwd=folder, check=True)
+    said = subprocess.run(["./program"], cwd=folder, capture_output=True, text=True, check=True).stdout.splitlines()
+    assert len(said) == len(specs)
+    return [line.split() for line in said]
+
+
+def refuses_what_the_reader_refuses(folder, specs, one_try, box, method="spherical-midpoint"):
+    for spec, said in zip(specs, said_by_c(folder, specs, one_try, box, method)):
+        assert set(said) <= {"0", "5"}, spec.name
+        assert [place for place, found in zip(box, said) if found == "5"] == [place for place in box if not accepted(spec, place)], spec.name
 
 
 @pytest.mark.parametrize("accesses", [ACCESSES[3::3], pytest.param(ACCESSES, marks=pytest.mark.long)], ids=len)
 def test_the_c_refuses_the_sizes_that_the_reader_refuses(accesses, tmp_path):
     """Of every index formula, over a box of sizes; a size that is accepted reads no entry but the array's own."""
     specs = [load_text(ACCESS.format(number=k, kappa=kappa, energy=energy)) for k, (kappa, energy) in enumerate(accesses)]
-    files = {name: text for spec in specs for name, text in generate(spec).items() if not name.endswith("_abi.c")}
-    heads = "".join(f'#include "access{k}.h"\n' for k in range(len(specs)))
-    tries = "".join(TRY.format(number=k) for k in range(len(specs)))
-    calls = "".join(f'  for (int b = 0; b < {len(BOX)}; ++b) try{k}(box[b][0], box[b][1], box[b][2]);\n  puts("");\n' for k in range(len(specs)))
-    box = ", ".join(f"{{{n}, {m}, {k}}}" for n, m, k in BOX)
-    main = f"{heads}#include <stdio.h>\n{tries}\nint main(void) {{\n  static const int box[][3] = {{{box}}};\n{calls}  return 0;\n}}\n"
-    write_files({**files, "main.c": main}, tmp_path)
-    subprocess.run(["gcc", "-std=c11", *WARNINGS, "-O0", *include_flags(), "-I.", *sorted(f for f in files if f.endswith(".c")),
-                    "main.c", "-lm", "-o", "program"], cwd=tmp_path, check=True)
-    said = subprocess.run(["./program"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.splitlines()
-    assert len(said) == len(specs)
-    for spec, access, line in zip(specs, accesses, said):
-        refused = [place for place, found in zip(BOX, line.split()) if found == "5"]
-        assert set(line.split()) == {"0", "5"}, access
-        assert refused == [place for place in BOX if not accepted(spec, *place)], access
+    refuses_what_the_reader_refuses(tmp_path, specs, TRY, BOX)
+
+
+LOOPED = """
+[model]
+name = "looped{number}"
+[space]
+a = {{ sphere = "n*m" }}
+b = {{ sphere = "n*m" }}
+[parameters]
+n = 5
+m = 5
+[lattices.film]
+size = ["n", "m"]
+boundary = ["periodic", "{boundary}"]
+bonds.far = [{{ at = {ends} }}]
+bonds.near = [{{ offset = [0, 0] }}]
+[effects.far]
+over = "bond({over}) of film.far"
+energy = "{energy}"
+[effects.near]
+over = "bond(i of a, j of b) of film.near"
+energy = "-dot(a[i], b[j])"
+"""
+THREE, FOUR = ("i of a, j of b, k of a", "0.4*a[i].x*b[j].y*a[k].z"), ("i of a, j of b, k of b, l of a", "a[i].x*b[j].y*b[k].z*a[l].x")
+LOOPS = [("[[0, -1, 0], [0, 0, 0], [0, 1, 0]]", *THREE, "open"), ("[[0, 0, -1], [0, 0, 0], [0, 1, 1]]", *THREE, "periodic"), ("[[0, 0, -1], [0, 0, 0], [0, 0, 1]]", *THREE, "open"),
+         ("[[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, -1, 0]]", *FOUR, "periodic"), ("[[0, 0, 1], [0, 2, 0], [0, 2, 2], [0, 2, 1]]", *FOUR, "periodic")]
+AROUND = [(n, m) for n in range(1, 6) for m in range(1, 6)]
+INIT = """
+static void try_{name}(int64_t n, int64_t m) {{
+  {name}_params p;
+  {name}_model model;
+  {name}_defaults(&p);
+  p.n = n;
+  p.m = m;
+  printf("%d ", (int){name}_model_init(&model, &p));
+}}
+"""
+
+
+@pytest.mark.parametrize("method", ["sublattice-rotations", pytest.param("spherical-midpoint", marks=pytest.mark.long)])
+def test_no_bond_of_several_families_joins_a_site_to_itself(method, tmp_path):
+    """Of three and four ends, two of them of one family: rings that are so short are refused by the reader and by the C."""
+    specs = [load_text(LOOPED.format(number=k, ends=ends, over=over, energy=energy, boundary=boundary)) for k, (ends, over, energy, boundary) in enumerate(LOOPS)]
+    short = [lambda n, m: n < 3, lambda n, m: n == 1 and m < 3, lambda n, m: False, lambda n, m: n == 1 or m == 1, lambda n, m: n < 3 or m < 3]
+    assert [[place for place in AROUND if not accepted(spec, place)] for spec in specs] == [[place for place in AROUND if is_short(*place)] for is_short in short]
+    refuses_what_the_reader_refuses(tmp_path, specs, INIT, AROUND, method)

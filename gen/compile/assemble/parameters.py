@@ -4,7 +4,7 @@ from __future__ import annotations
 from itertools import combinations
 
 from ...language import limits
-from ...language.spec import Graph, Lattice
+from ...language.spec import Graph, Lattice, families_of
 from ..lower.code import Argument, Assign, Either, For, Function, If, Member, Name, Not, Ordered, Parameter, Return, Unary, Variable, refuse
 from ..lower.integers import ONE, ZERO, Index, Pointed, compare, times
 from ..lower.lowering import CLOCK, PREPARE, STRIDE
@@ -118,7 +118,8 @@ def lattice_checks(model, t) -> list:
         if model.method.splitting == "sublattices" and t.over.family and t.over.periodic[d]:      # no site is bound to itself
             reach = [[offset[d] for _, offset in bond] for bond in t.over.bonds]
             found += outside(n, 1 + max(max(r) - min(r) for r in reach))
-    found += [check for bond in t.over.bonds if t.over.family for a, b in combinations(bond, 2) for check in closed_upon_itself(t.over, sizes, a, b)]
+    ends = [combinations(zip(families_of(t.over).values(), bond), 2) for bond in t.over.bonds]
+    found += [check for pairs in ends for (f, a), (g, b) in pairs if f == g for check in closed_upon_itself(t.over, sizes, a, b)]
     product = times(*sizes, t.over.sites)
     for f in dict.fromkeys(f for f, _ in t.slots):
         count = model.by_name[f].count
@@ -134,7 +135,7 @@ def numbered_reach(over: Lattice, d: int) -> int:
 
 
 def closed_upon_itself(over: Lattice, sizes, a, b) -> tuple:
-    """The check that two ends (sub, offset) of a bond are two sites: no way between them leads around every ring that it goes along."""
+    """The check that two ends (sub, offset) of a bond, of one family, are two sites: no way between them leads around every ring that it goes along."""
     away = [abs(x - y) for x, y in zip(a[1], b[1])]
     if a[0] != b[0] or any(d and not ring for d, ring in zip(away, over.periodic)):
         return ()
