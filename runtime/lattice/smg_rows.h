@@ -271,7 +271,7 @@ typedef struct smg_run {
 
 /* The cell s + offset, on a ring around it; 0 where there is none. */
 static inline int smg_step_to(int64_t *s, int64_t offset, int64_t n, int ring) {
-  *s += offset;
+  *s += ring ? offset % n : offset; /* one end of a bond may be farther from another than the ring is long */
   if (ring) *s = smg_wrap(*s, n);
   return *s >= 0 && *s < n;
 }
@@ -309,8 +309,8 @@ static inline int64_t smg_site_beside(const smg_coefficients *c, int64_t site, i
 /* What stands there beside a row. */
 static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lattice_row *at, const smg_offset *o) {
   const int ring = o->ring;
-  const int64_t x = at->first + o->cell[0], sub = o->sub, n = smg_cells(c, 0), before = -smg_down(x, SMG_ROW_STEP),
-                inside = -smg_down(x - n, SMG_ROW_STEP);
+  const int64_t n = smg_cells(c, 0), along = ring & 1 ? o->cell[0] % n : o->cell[0], x = at->first + along,
+                sub = o->sub, before = -smg_down(x, SMG_ROW_STEP), inside = -smg_down(x - n, SMG_ROW_STEP);
   int64_t s[3] = {at->s1, at->s2, at->s3};
   smg_beside b = {0, 0, 0, before > 0 ? smg_row_length(c) : SMG_EVERYWHERE, 1};
   b.there = smg_step_to(s, o->cell[1], smg_cells(c, 1), ring >> 1 & 1) &
@@ -318,7 +318,7 @@ static inline smg_beside smg_beside_row(const smg_coefficients *c, const smg_lat
             smg_step_to(s + 2, o->cell[3], smg_cells(c, 3), ring >> 3 & 1);
   if (!b.there) return b;
   b.start = smg_slot_beyond(c, sub, x, s) - at->start;
-  b.around = smg_slot_beyond(c, sub, o->cell[0] < 0 ? x + n : x - n, s) - at->start;
+  b.around = smg_slot_beyond(c, sub, along < 0 ? x + n : x - n, s) - at->start;
   if (before > 0) b.from = before < at->sites ? before : at->sites;
   if (inside < at->sites) b.to = inside > 0 ? inside : 0;
   return b;

@@ -81,7 +81,7 @@ def bonded(low, t, first: int, homes, roles, place, bounds, numbers=()) -> Bonde
     gradient, values = bond_partings(low, t)
     functions = tuple(of_bond(low, t, symbol.name, e) for e, symbol in values.items())
     ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in (0, 1))
-    sums = [sum_of(t, what, n, roles, place, ends) if all(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
+    sums = [sum_of(t, what, n, roles, place, ends) if any(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
     return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, homes, roles, place, ends, tuple(numbers))
 
 
@@ -133,7 +133,7 @@ def by_sub(roles, place, body_of) -> tuple:
 
 
 def sum_of(t, what: str, n: int, roles, place, ends) -> Function:
-    """A bound at site k: the sum of those of its bonds."""
+    """A bound at site k: the sum of those of its bonds; a slot may have none, where it is 0."""
     def added(some):
-        return tuple(Scope(found_end(role, (Assign(Name("sum"), ended(ends[role.slot][n], role), "+="),))) for role in some)
+        return tuple(Scope(found_end(role, (Assign(Name("sum"), ended(ends[role.slot][n], role), "+="),))) for role in some if ends[role.slot][n])
     return Function("smg_real", f"{t.prefix}_{what}", SITE, (Variable("smg_real", "sum", ZERO), *by_sub(roles, place, added), Return(Name("sum"))))

@@ -85,6 +85,8 @@ def of_radii(model, terms) -> str | None:
 
 def of_absent(t) -> str | None:
     """A term on bonds of a lattice with absent sites, which stand there as 0: then others must feel nothing of it."""
+    if isinstance(t.over, Lattice) and not set(t.over.indices) <= {index for _, index in t.slots}:
+        return f"the formula of {t.called} does not name all spins of its bonds, but some sites are absent"
     for k, row in enumerate(t.derived.gradient):
         for q, vector in enumerate(t.derived.vectors):
             if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):

@@ -12,7 +12,7 @@ from ..lower.integers import ZERO, Index, Pointed
 from ..lower.kernels import DIRECTION, additions
 from .bond_values import bond_partings
 from .lanes import in_lanes
-from .rows import ALL, SLOTS, beside, bonds_of, by_place, neighbours, numbers_in, row_roles, row_terms, taken, where_there, width
+from .rows import ALL, SLOTS, bonds_of, by_place, joined, neighbours, numbers_in, row_roles, row_terms, taken, vectors_beside, where_there, width
 from .site_factors import multiplied
 from .site_values import differs, names, partings, taken as taken_values
 
@@ -73,8 +73,8 @@ def one_term(model, t, k: int, bond, known: list, sub: int) -> list:
     blocks = {l: f for (q, l), f in model.in_rows.changes[t.prefix].items() if q == k}
     if not blocks:
         return []
-    others = [(q, beside(t, bond, k, q)) for q in range(len(t.slots)) if q != k]
+    others = vectors_beside(t, bond, k)
     lines = [line for q, at in others for name, all in ((f"d{q}", ALL), (f"v{q}", POINTS)) for line in (Variable("smg_lanes", f"{name}[3]"), taken(at, known.index(at), name, all))]
     vectors = [Name("own" if q == k else f"v{q}") for q in range(len(t.slots))]
     lines += [Call(f.name, (Name("c"), *[ZERO] * len(t.over.bound), *vectors, Name("d_own" if l == k else f"d{l}"), Name("sum"), *map(Name, names(one) if one else ()))) for l, f in blocks.items()]
-    return [Scope((*(taken_values(one) if one else ()), *where_there(others, known, lines)))]
+    return [Scope((*(taken_values(one) if one else ()), *where_there(joined(t, bond, k), known, lines)))]

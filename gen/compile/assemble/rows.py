@@ -329,7 +329,7 @@ def row_roles(model, whole=None) -> list:
 
 def neighbours(model, sub: int, whole=None) -> list:
     """What stands beside the sites of a place, each once."""
-    found = [beside(t, bond, k, q) for t, k in row_roles(model, whole) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
+    found = [one for t, k in row_roles(model, whole) for bond in bonds_of(t, k, sub) for _, one in joined(t, bond, k)]
     return list(dict.fromkeys(found))
 
 
@@ -373,9 +373,8 @@ def terms_of_place(model, sub: int) -> tuple:
 
 def shared_neighbours(model, sub: int) -> list:
     """The neighbours that all sites of a place have and that occur in several terms."""
-    found = [beside(t, bond, k, q) for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for q in range(len(t.slots)) if q != k]
-    everywhere = [one for one in dict.fromkeys(found) if not any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset))]
-    return [one for one in everywhere if found.count(one) > 1]
+    found = [one for t, k in row_roles(model) for bond in bonds_of(t, k, sub) for _, one in vectors_beside(t, bond, k)]
+    return [one for one in dict.fromkeys(found) if not may_end(one) and found.count(one) > 1]
 
 
 def one_term(model, t, k: int, bond, known: list, sub: int, shared=()) -> list:
@@ -405,13 +404,13 @@ def bonds_of(t, k: int, sub: int) -> list:
 def term_of_row(t, k: int, bond, known: list, values=(), shared=()) -> list:
     """The statements that add the gradient of one term; values: names of what differs from site to site;
     shared: neighbours that are loaded already."""
-    found = [(q, beside(t, bond, k, q)) for q in range(len(t.slots)) if q != k]
+    found = vectors_beside(t, bond, k)
     at = {q: f"b{known.index(one)}" if one in shared else f"v{q}" for q, one in found} | {k: "own"}
     points = [Name(at[q]) for q in range(len(t.slots))]
     outputs = [Name("sum" if q == k else f"o{q}") for q in range(len(t.slots))]
     lines = [line for q, one in found for line in taken_neighbour(one, known.index(one), q, one in shared)]
     lines.append(Call(named(f"{t.prefix}_gradient"), (Name("c"), *[ZERO] * len(t.over.bound), *points, *outputs, *map(Name, values))))
-    return where_there(found, known, lines)
+    return where_there(joined(t, bond, k), known, lines)
 
 
 def taken_neighbour(one: Beside, n: int, q: int, shared: bool) -> tuple:
@@ -439,13 +438,34 @@ def taken(one: Beside, n: int, v: str, all=ALL) -> Call:
     return Call("smg_take_beside", (Name("run"), Name("blocks"), whole(n), whole(int(around)), Index("p"), *all, Index("j"), Name(v)))
 
 
+def vectors_beside(t, bond, k: int) -> list:
+    """The other slots of a term as slot k sees them: (slot, `Beside`)."""
+    return [(q, beside(t, bond, k, q)) for q in range(len(t.slots)) if q != k]
+
+
+def joined(t, bond, k: int) -> list:
+    """Those, and as slot None the ends of the bond that the formula does not name: beyond an open end there is no bond."""
+    unnamed = [] if bond is None else [seen(t, member(t, bond, k), end) for end, index in zip(bond, t.over.indices) if index not in [i for _, i in t.slots]]
+    return [*vectors_beside(t, bond, k), *((None, one) for one in unnamed if may_end(one))]
+
+
+def may_end(one: Beside) -> bool:
+    """Are there sites that have none such beside them?"""
+    return any(o and not one.ring >> d & 1 for d, o in enumerate(one.offset))
+
+
 def member(t, bond, q: int) -> tuple:
     return bond[t.over.indices.index(t.slots[q][1])]
 
 
 def beside(t, bond, k: int, q: int) -> Beside:
     """Slot q of a term as slot k sees it."""
-    (_, own), (sub, offset) = member(t, bond, k), member(t, bond, q)
+    return seen(t, member(t, bond, k), member(t, bond, q))
+
+
+def seen(t, this, other) -> Beside:
+    """One end of a bond from another one."""
+    (_, own), (sub, offset) = this, other
     ring = sum(1 << d for d, closes in enumerate(t.over.periodic) if closes)
     return Beside(sub, (*(b - a for a, b in zip(own, offset)), 0, 0, 0, 0)[:4], ring)
 
