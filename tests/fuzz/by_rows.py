@@ -20,15 +20,17 @@ from .invent import quoted
 # over, as many sites as this, bonds of a site, sites of a bond; {0} and {1}: its boundaries
 PLACES = {"chain": ("chain(n, {0})", "n", 2), "next on a chain": ("chain(n, {0}, 2)", "n", 2), "square": ("square(n, m, {0}, {1})", "n*m", 4), "short rows": ("square(m, n, {0}, {1})", "n*m", 4),
           "diagonals": ("square(n, m, {0}, {1}).second", "n*m", 4), "cubic": ("cubic(n, m, 2, {0}, {1}, open)", "2*n*m", 6), "cells": ("cells.b", "2*n*m", 4), "line": ("line.b", "n", 3),
-          "plaquettes": ("plaquettes.b", "n*m", 4)}
+          "plaquettes": ("plaquettes.b", "n*m", 4), "reaching": ("reaching.b", "n*m", 3)}
 DECLARED = {"cells": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nsites = 2\n'
                      "bonds.b = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = 1, to = 1, offset = [1, 0] }}, {{ from = 1, to = 0, offset = [0, 1] }}]",
             "line": 'size = ["n"]\nboundary = "{0}"\nbonds.b = [{{ at = [[0, 0], [0, 1], [0, 2]] }}]',
             "plaquettes": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ at = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]] }}]',
+            "reaching": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ at = [[0, -2, 0], [0, 0, 0], [0, 2, 0]] }}]',
             "above": 'size = {size}\nboundary = "periodic"\nsites = {sites}\nbonds.b = {bonds}'}
 PAIRED = ("chain", "square", "short rows", "cubic")      # for pair rotations: rings of even length, and bonds that are alike
 FARTHER = {"chain": "next on a chain", "square": "diagonals"}      # two shells of one lattice
-MANY = {"line": ("{k}*triple({0}, {1}, {2})", "{k}*dot({0}, {1})*{2}.{x}", "{k}*{0}.{x}*{1}.{y}*{2}.z"),
+OF_THREE = ("{k}*triple({0}, {1}, {2})", "{k}*dot({0}, {1})*{2}.{x}", "{k}*{0}.{x}*{1}.{y}*{2}.z", "{k}*dot({0}, {2})")
+MANY = {"line": OF_THREE, "reaching": OF_THREE,
         "plaquettes": ("{k}*(dot({0}, {1})*dot({2}, {3}) + dot({1}, {2})*dot({0}, {3}))", "{k}*dot({0}, {1})*dot({2}, {3})", "{k}*dot({0}, {2})*{1}.{x}*{3}.{x}")}
 
 # Formulas: of bonds that are linear in either end, of others, and of products alone, as pair rotations take them; of sites in the same way
@@ -76,7 +78,7 @@ def kind_of(m) -> tuple:
 @dataclass
 class Draft:
     """A lattice for which a text is being written. room: how many numbers may still differ from site to site; space: what is said of each family; warm: is there
-    thermal noise? landau: damping in the form of Landau and Lifshitz? curved: an energy that is not quadratic? grows: one without a bound at all times?"""
+    thermal noise? sided: does some spin feel a bond whose other ends are 0? landau: damping in the form of Landau and Lifshitz? curved: an energy that is not quadratic? grows: one without a bound at all times?"""
     dice: object
     method: object
     place: str
@@ -87,6 +89,7 @@ class Draft:
     lattices: dict = field(default_factory=dict)
     space: dict = field(default_factory=dict)
     warm: bool = False
+    sided: bool = False
     landau: bool = False
     curved: bool = False
     grows: bool = False
@@ -123,7 +126,7 @@ class Draft:
 def row_text(dice) -> str:
     """A spec with its run."""
     draft, layout, (n, m) = begun(dice)
-    for part in (bonds, sites, more_bonds, strengths, held, damped, pushed):
+    for part in (bonds, one_sided, sites, more_bonds, strengths, held, damped, pushed):
         part(draft)
     return written(draft, layout, n, m)
 
@@ -136,11 +139,11 @@ def begun(dice) -> tuple:
     place = "chain" if wave else dice.choice(PAIRED if method.splitting == "pairs" else list(PLACES))
     edges = dice.choice((("periodic", "periodic"), ("periodic", "open"), ("open", "periodic"), ("open", "open")))
     names = ("w", "v") if not wave and place not in MANY and method.splitting != "pairs" and dice.randrange(4) == 0 else ("w",)
-    return Draft(dice, method, place, edges, names), "wavefronts" if wave else "rows", sizes(dice, method, place, wave, len(names))
+    return Draft(dice, method, place, edges, names), "wavefronts" if wave else "rows", sizes(dice, method, place, wave, len(names), edges[0] == "periodic")
 
 
-def sizes(dice, method, place, wave, families) -> tuple:
-    """n and m. Rings of even length for pair rotations; of chains more sites than a small dense matrix has; of compositions as many as
+def sizes(dice, method, place, wave, families, ring) -> tuple:
+    """n and m; ring: does the first direction close? Then it may be shorter than bonds are long. Rings of even length for pair rotations; of chains more sites than a small dense matrix has; of compositions as many as
     the witness's matrix has."""
     if method.splitting == "pairs":
         return dice.choice((8, 12, 34)), dice.choice((4, 8))
@@ -148,6 +151,8 @@ def sizes(dice, method, place, wave, families) -> tuple:
     if wave or PLACES[place][1] == "n":
         few = families > 1 and method.of_midpoints and not method.midpoint
         return dice.choice((256, 271) if wave else (13, 14, 17) if few else (13, 14, 17, 33, 48)), m
+    if place == "reaching":
+        return (3, 8) if dice.randrange(2) and ring else (dice.choice((5, 7)), 4)
     if method.of_midpoints and not method.midpoint:
         if families > 1:
             return (5, 3) if PLACES[place][1] == "2*n*m" else (7, min(m, 4))
@@ -182,13 +187,25 @@ def bonds(d):
 
 def one_bond(d, name, place):
     if place in MANY:
-        energy = d.fill(d.dice.choice(many_forms(d, place)), *(f"{name}[{i}]" for i in "ijkl"))
-        return d.effect(f"bond(i, j, k{', l' * (place == 'plaquettes')}) of {d.over(place)}{d.on(name)}", energy=clocked(d, energy) if place == "line" else energy)
+        form = d.dice.choice(many_forms(d, place))
+        energy, d.sided = d.fill(form, *(f"{name}[{i}]" for i in "ijkl")), d.sided or "{1}" not in form
+        return d.effect(f"bond(i, j, k{', l' * (place == 'plaquettes')}) of {d.over(place)}{d.on(name)}", energy=energy if place == "plaquettes" else clocked(d, energy))
     energy, index = d.fill(d.dice.choice(bond_forms(d)), f"{name}[i]", f"{name}[j]"), "i, j"
     if not pair(d) and d.chance(3) and not several_terms(energy) and d.takes(PLACES[place][2]):
         index, factors = d.dice.choice((("i, j", OF_BONDS), ("i, j, b", OF_NUMBERS)))
         energy = f"{d.dice.choice(factors)}*({energy})"
+        if index == "i, j" and d.chance(3) and d.takes(PLACES[place][2] + 1):       # 1: kappa
+            energy, d.sided = f"{energy} - 0.7*(1 + uniform(2, i))*{name}[j].z", True
     d.effect(f"bond({index}) of {d.over(place)}{d.on(name)}", energy=clocked(d, energy))
+
+
+def one_sided(d):
+    """An effect over bonds that names one of their ends, and is not felt where an open end cuts them."""
+    if pair(d) or d.place in MANY or not d.chance(5):
+        return
+    name, d.sided = d.dice.choice(d.names), True
+    energy = d.fill(d.dice.choice(LINEAR if d.method.splitting else QUADRATIC), f"{name}[{d.dice.choice('ij')}]")
+    d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", energy=clocked(d, energy))
 
 
 def many_forms(d, place) -> tuple:
@@ -270,7 +287,7 @@ def held(d):
     if not (responds(d) and d.chance(3) and d.takes(1)):
         return
     for _ in range(d.dice.randint(1, 2)):
-        absent = d.chance(2) and not any("if(" in e for e in d.effects)       # conditions beside absent sites are no factors of the time alone
+        absent = d.chance(2) and not d.sided and not any("if(" in e for e in d.effects)       # conditions beside absent sites are no factors of the time alone
         d.effect(f"site(k) of {d.dice.choice(d.names)}", **{"absent" if absent else "pinned": d.dice.choice(ABSENT if absent else PINNED)})
 
 
@@ -290,17 +307,22 @@ def damped(d):
 def pushed(d):
     """Torques: in closed form, at all sites alike or not; of other forms, and of neighbours, where these are part of the field, which has no bound beside that damping.
 
-    Those of neighbours where kappa is not of each site: they are divided by it, and so differ from bond to bond. Beside absent sites
+    Those of neighbours where kappa is not of each site, by which they are divided, nor the radius, which their bounds contain. Beside absent sites
     neither these nor such that are no product with the vector: conditions stand in them."""
     if not (responds(d) and d.chance(3)):
         return
     name, gone = d.dice.choice(d.names), any("absent" in effect for effect in d.effects)
     if (d.method.takes_fields and len(d.names) == 1 or d.method.of_midpoints and not d.landau) and d.chance(2):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(OPEN[:3:1 + gone]).replace("{w}", f"{name}[k]"))
-        if d.place not in MANY and not gone and not any(f"kappa = {x}" in d.space[name] for x in KAPPAS) and d.chance(3):
+        if d.place not in MANY and not gone and not by_site(d, name) and d.chance(3):
             d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", torque=BESIDE.replace("{w}", name))
     elif d.takes(6):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(CLOSED + CLOSED_BY_SITE).replace("{w}", f"{name}[k]"))
+
+
+def by_site(d, name) -> bool:
+    """Has each site of a family a strength or a radius of its own?"""
+    return any(f"kappa = {x}" in d.space[name] for x in KAPPAS) or any(f"radius = {x}" in d.space[name] for x in RADII)
 
 
 # The text

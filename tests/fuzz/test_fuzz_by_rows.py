@@ -42,6 +42,7 @@ PUSHED = HEAD % 'w = { sphere = "n" }' + BOND % "-dot(w[i], w[j])" + '[effects.p
 DRAWN = {"features": r"# features:.*\b(tangent|ensemble|distributed|plain-sums)\b", "two families": r"bond\(i of w, j of v\)", "several shells": r"\.second|, 2\)", "three ends": r"bond\(i, j, k\)",
          "four ends": r"bond\(i, j, k, l\)", "damping": r"\ndamping", "noise": r"\nkT", "torque": r"\ntorque", "torque of a neighbour": r"torque = .*\[j\]", "pinned": r"\npinned", "absent": r"\nabsent",
          "radii": r'radius = "1 ', "strengths": r'kappa = ".*[iA]\b', "anisotropy of any formula": r"\^4|exp\(-w|\^3", "any bond": r"dot\(w\[i\], w\[j\]\)\^2|exp\(0.3", "growing": r'= "(t|\(0.3 \+ t\)|t\^2/4)\*',
+         "one end": r'energy = "[^i\n]*w\[j\][^i\n]*"', "ends far apart on a short ring": r"n = \{ default = 3[^}]*\}(\n.*)*reaching", "a field at one end": r"0\.7\*\(1 \+ uniform\(2, i\)",
          "wavefronts": r"SMG_WAVE", "threads": r"-fopenmp"}
 
 
