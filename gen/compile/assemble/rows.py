@@ -11,10 +11,9 @@ from itertools import product
 
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
-from ..derive.derivatives import derive
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
-from ..lower.kernels import COEFFICIENTS, kernels_of
+from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
@@ -148,9 +147,7 @@ def whole_terms(model, low) -> dict:
     """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some."""
     if not lacking(model.whole):
         return {}
-    names, found = [t.derived.term.name for t in model.energies], energy_kernels(low, model.whole.energies, "row", model.method)[0]
-    if [t.derived.term.name for t in found] != names:       # others are merged here, as sums over the same bonds
-        found = [kernels_of(low, derive(e), "row") for e in model.whole.energies]
+    found = energy_kernels(low, model.whole.energies, "row", model.method, like=model.spec.energies)[0]
     return {t.prefix: whole for t, whole in zip(model.energies, found, strict=True)}
 
 

@@ -17,22 +17,23 @@ from ..derive.derivatives import Derived, derive, switched
 from ..lower.kernels import kernels_of, motion_kernels, value_kernels
 
 
-def energy_kernels(low, energies, role: str, method) -> tuple:
-    """(the kernels of what moves sites, those of the values of effects that share bonds). Methods that turn bond after bond, effect after effect, have each as it is."""
+def energy_kernels(low, energies, role: str, method, like=None) -> tuple:
+    """(the kernels of what moves sites, those of the values of effects that share bonds). Methods that turn bond after bond, effect after effect, have each as it is.
+    like: the same energies in another form, of which those are joined that are here."""
     derived = tuple(map(derive, energies))
-    shared = {} if method.splitting == "pairs" else shares(derived)
+    shared = {} if method.splitting == "pairs" else shares(derived, derived if like is None else tuple(map(derive, like)))
     moving: list = []
     for n, d in enumerate(derived):
         moving += [kernels_of(low, d, role)] if n not in shared else [motion_kernels(low, one, role) for one in shared[n]]
     return tuple(moving), tuple(value_kernels(low, d, role) for n, d in enumerate(derived) if n in shared)
 
 
-def shares(derived) -> dict[int, list]:
-    """Number of each energy that shares bonds -> the terms that begin with it: sums over the bonds that it shares with later ones, and those that it has alone."""
+def shares(derived, like) -> dict[int, list]:
+    """Number of each energy that shares bonds -> the terms that begin with it: sums over the bonds that it shares with later ones, and those that it has alone. like: says which."""
     found: dict = {}
     names = {d.term.name for d in derived}
-    for group in groups(derived).values():
-        bonds = covered(group, derived)
+    for group in groups(like).values():
+        bonds = covered(group, like)
         if any(len(some) > 1 for some in bonds):
             found.update({n: [] for n in group if any(n in some and len(some) > 1 for some in bonds)})
             for some, over in bonds.items():
