@@ -307,22 +307,24 @@ def damped(d):
 def pushed(d):
     """Torques: in closed form, at all sites alike or not; of other forms, and of neighbours, where these are part of the field, which has no bound beside that damping.
 
-    Those of neighbours where kappa is not of each site, by which they are divided, nor the radius, which their bounds contain. Beside absent sites
+    The bounds of those contain the radius, which then is not of each site. Those of neighbours are divided by kappa, and what pinned sites feel is
+    another response: where one of the two is of each site, they differ from bond to bond. Beside absent sites
     neither these nor such that are no product with the vector: conditions stand in them."""
     if not (responds(d) and d.chance(3)):
         return
-    name, gone = d.dice.choice(d.names), any("absent" in effect for effect in d.effects)
-    if (d.method.takes_fields and len(d.names) == 1 or d.method.of_midpoints and not d.landau) and d.chance(2):
+    name, gone, still = d.dice.choice(d.names), any("absent" in effect for effect in d.effects), any("pinned" in effect for effect in d.effects)
+    free = d.method.takes_fields and len(d.names) == 1 or d.method.of_midpoints and not d.landau and not of_each(d, name, "radius", RADII)
+    if free and d.chance(2):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(OPEN[:3:1 + gone]).replace("{w}", f"{name}[k]"))
-        if d.place not in MANY and not gone and not by_site(d, name) and d.chance(3):
+        if d.place not in MANY and not (gone or still or of_each(d, name, "kappa", KAPPAS) or of_each(d, name, "radius", RADII)) and d.chance(3):
             d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", torque=BESIDE.replace("{w}", name))
     elif d.takes(6):
         d.effect(f"site(k) of {name}", torque=d.dice.choice(CLOSED + CLOSED_BY_SITE).replace("{w}", f"{name}[k]"))
 
 
-def by_site(d, name) -> bool:
-    """Has each site of a family a strength or a radius of its own?"""
-    return any(f"kappa = {x}" in d.space[name] for x in KAPPAS) or any(f"radius = {x}" in d.space[name] for x in RADII)
+def of_each(d, name, what, formulas) -> bool:
+    """Does what the space says of a family differ from site to site?"""
+    return any(f"{what} = {x}" in d.space[name] for x in formulas)
 
 
 # The text
