@@ -1,8 +1,11 @@
-"""Lattices by rows with absent sites: effects on the same bonds of which some are sums and products alone."""
+"""Lattices by rows with absent sites: effects on the same bonds of which some are sums and products alone, and formulas that have no finite value at such a site."""
 import numpy as np
 import pytest
 import smidgen
+from smidgen.check.verify.contraction import HISTORY, KEPT
 from smidgen.check.witness import Witness
+from smidgen.compile.emit.emit import generate
+from support.by_sites import by_sites
 from test_rows import lattice
 from test_rows_by_site import MIDPOINT
 from test_rows_families import CLOSED, layers
@@ -46,3 +49,61 @@ JOINED = {"the last in time": square(*on_bonds(EXCHANGE, TWIST, IN_TIME)), "the 
 @pytest.mark.parametrize("name, method", [*((n, MIDPOINT) for n in JOINED), *(("the last in time", m) for m in METHODS[1:]), *(pytest.param(n, m, marks=pytest.mark.long) for n in [*JOINED][1:] for m in METHODS[1:])])
 def test_effects_on_the_same_bonds(name, method):
     assert by_rows(JOINED[name], method) and distance(JOINED[name], method) <= 2e-14
+
+
+# Formulas that are infinite at site 3, which is absent
+
+BETWEEN = ("bond(i of a, j of b) of between.near", "(0.3 + 0.1/abs(i - 3))*dot(a[i], b[j])")
+INFINITE = {
+    "a field": square(*on_bonds(EXCHANGE), ("field", "sites", "0.5/(i - 3)*w[i].z"), hole="i == 3"), "bonds": square(*on_bonds("-0.5*(1 + 0.1/abs(i - 3) + 0.1/abs(j - 3))*dot(w[i], w[j])"), hole="i == 3"),
+    "in time": square(*on_bonds(EXCHANGE, "0.1*cos(t*log(abs(i - 3)))*w[i].x*w[j].z"), ("axis", "sites", "0.2*cos(t/(i - 3))*w[i].z^2"), hole="i == 3"),
+    "damped": square(*on_bonds(EXCHANGE), ("axis", "sites", "0.3*log(abs(i - 3))*w[i].x^2"), ("damping", "sites", "0.1*(1 + mod(i, 2))", "damping"), hole="i == 3"),
+    "two families": layers(BETWEEN, ("bond(i, j) of within.near on b", "-0.5*dot(b[i], b[j])"), ("site(i) of a", "0.5/(i - 3)*a[i].z"), ("site(i) of b", "0.1*mod(i, 3)*b[i].x"), ("site(i) of a", "i == 3", "absent"), a=', radius = "1 + mod(i, 2)"')}
+
+
+@pytest.mark.parametrize("name, method", [*((n, MIDPOINT) for n in INFINITE), ("a field", "gauss-4"), ("bonds", "dormand-prince-8"),
+                                          *(pytest.param(n, m, marks=pytest.mark.long) for n in INFINITE for m in METHODS[1:] if (n, m) not in (("a field", "gauss-4"), ("bonds", "dormand-prince-8"), ("two families", "gauss-4")))])
+def test_formulas_that_are_infinite_at_an_absent_site(name, method):
+    assert by_rows(INFINITE[name], method) and distance(INFINITE[name], method) <= 2e-14
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=() if n == "bonds" else pytest.mark.long) for n in INFINITE])
+def test_steps_of_any_such_state_go_by_rows(name):
+    """The bounds are those of the sites that are there. Steps by rows keep less of their history."""
+    model = smidgen.build(INFINITE[name]).start("random", h=0.02).steps(KEPT + 1)
+    assert model.save()[HISTORY] < KEPT
+
+
+@pytest.mark.parametrize("name", ["in time", pytest.param("two families", marks=pytest.mark.long)])
+def test_the_tangent_map(name):
+    ends = []
+    for build in (smidgen.build, by_sites):
+        model = build(INFINITE[name], features=("tangent",)).start("random", h=0.05, t0=0.37).steps(2)
+        ends.append(model.tangent(np.random.default_rng(2).standard_normal((1, *model.w.shape))))
+    assert np.abs(ends[0] - ends[1]).max() <= 1e-14
+
+
+@pytest.mark.long
+def test_states_in_parts_have_the_same_bits():
+    ends = [smidgen.build(INFINITE["bonds"], features=some).start("random", h=0.05).steps(4).w.copy() for some in ((), ("distributed",))]
+    assert np.array_equal(*ends)
+
+
+ROOTS = {"in time": ("0.3*sqrt(i - 3 + 0.1*t)*w[i].z", "i <= 3"), "of vectors": ("0.2*sqrt(w[i].x^2 + w[i].y^2)", "i == 3"), "a logarithm": ("0.2*(2 + log(i - 3 + 0.1*t)/5)*w[i].z", "i <= 3")}
+
+
+@pytest.mark.parametrize("name, method", [("in time", MIDPOINT), ("of vectors", "gauss-4"), pytest.param("a logarithm", "dormand-prince-8", marks=pytest.mark.long)])
+def test_where_0_has_no_value_steps_go_site_by_site(name, method):
+    """At negative times no number in the place of an absent site gives a root."""
+    energy, hole = ROOTS[name]
+    spec = square(*on_bonds(EXCHANGE), ("root", "sites", energy), hole=hole)
+    assert not by_rows(spec, method) and generate(spec, method=method).notes["reason"].endswith("because the field of `root` may be infinite where one of its spins is 0, but some sites are absent")
+    model = smidgen.build(spec, method=method).start("random", h=0.05, t0=-0.5)
+    w = model.w.copy()
+    found = Witness(spec).steps(w, -0.5, 0.05, 3, method)
+    assert np.abs(model.steps(3).w - (found if np.ndim(found) == 2 else found[-1])).max() <= 2e-14
+
+
+@pytest.mark.parametrize("energy", ["0.2*log(2 + w[i].z)", "0.2*w[i].z/(1 + exp(t*i))", "0.1*cos(i*t + 1)*w[i].z^2"])
+def test_other_formulas_go_by_rows(energy):
+    assert by_rows(square(*on_bonds(EXCHANGE), ("more", "sites", energy)), "gauss-4")

@@ -10,7 +10,7 @@ from ..lower.code import Argument, Assign, Call, Function, If, Let, Name, Return
 from ..lower.integers import ZERO, Computed, Index, Int, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
 from .families import returned
-from .site_values import Sited, lane_gradient, parted
+from .site_values import Sited, is_there, lane_gradient, parted
 
 SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 
@@ -18,7 +18,7 @@ SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 @dataclass(frozen=True)
 class Role:
     """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?
-    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site? own, other: the first sites of the families of both."""
+    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site? own, other: the first sites of the families of both; lacking: may the other end be absent?"""
     slot: int
     bond: tuple
     beside: int
@@ -27,6 +27,7 @@ class Role:
     based: bool = True
     own: Int = ZERO
     other: Int = ZERO
+    lacking: bool = False
 
     @property
     def ends(self) -> tuple:
@@ -120,9 +121,9 @@ def ended(f: Function, role: Role) -> Call:
 
 
 def found_end(role, body) -> tuple:
-    """The statements where the bond of a role is not cut at an open end."""
+    """The statements where the bond of a role is not cut at an open end, and its other end is there."""
     other = Let("other", Computed("smg_site_beside", (Index("c"), Index("k"), whole(role.beside))))
-    return (other, If((compare(Index("other"), ">=", ZERO),), body))
+    return (other, If((compare(Index("other"), ">=", ZERO), *[is_there(Index("other"))] * role.lacking), body))
 
 
 def by_sub(roles, place, body_of) -> tuple:

@@ -7,13 +7,15 @@ import sympy as sp
 
 from ...language.expr import Time, walk
 from ...language.spec import Lattice, Sites
-from ..derive.derivatives import switched
+from ..derive.derivatives import is_real, power, switched
 from ..lower.code import mentions
 from ..lower.lowering import index_names
-from .bond_values import two_ended
+from .bond_values import bond_partings, two_ended
 from .response import formulas
 from .row_bounds import bends
-from .site_values import MOST, differs
+from .site_values import MOST, differs, partings
+
+BOUNDED_DOMAIN = sp.log, sp.tan, sp.asin, sp.acos       # not finite for all numbers
 
 
 def of_lattices(model) -> str | None:
@@ -92,6 +94,23 @@ def of_absent(t) -> str | None:
             if q != k and any(sp.expand(sp.sympify(x).subs({v: 0 for v in vector})) != 0 for x in row):
                 return f"the field of {t.called} does not vanish where one of its spins is 0, but some sites are absent"
     return None
+
+
+def of_zeros(low, t, lacking) -> str | None:
+    """The same: where vectors of such sites, and the numbers of terms with them, are 0, the field is finite."""
+    gradient, values = partings(low, t) if differs(t) else bond_partings(low, t) if two_ended(t) else ([low.number_values(x) for row in t.derived.gradient for x in row], {})
+    formulas = [sp.sympify(x) for x in (*gradient, *map(low.number_values, (x for block in t.derived.hessian.values() for x in block)))]
+    for (family, _), vector in zip(t.slots, t.derived.vectors):
+        if family in lacking and any(may_be_infinite(e, dict.fromkeys((*vector, *values.values()), sp.S.Zero)) for e in formulas):
+            return f"the field of {t.called} may be infinite where one of its spins is 0, but some sites are absent"
+    return None
+
+
+def may_be_infinite(e, zero: dict) -> bool:
+    """May it be, or have no real value, where these symbols are 0? A part of it with another symbol may, and sums and products do not."""
+    parts = [x for x in e.atoms(sp.Pow, power, *BOUNDED_DOMAIN) if x.free_symbols & set(zero) and not (isinstance(x, sp.Pow) and x.exp.is_Integer and x.exp > 0)]
+    values = [sp.N(x.replace(power, sp.Pow).xreplace(zero)) for x in parts]
+    return not all(x.is_number and is_real(x) for x in values)
 
 
 def of_numbers(found: int) -> str | None:

@@ -18,7 +18,7 @@ from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
-from .by_site import of_absent, of_lattices, of_laws, of_numbers, of_radii, of_space, of_term, unlike_in
+from .by_site import of_absent, of_lattices, of_laws, of_numbers, of_radii, of_space, of_term, of_zeros, unlike_in
 from .common_cell import firsts, homes_of, in_cells, lattices, place_of, roles
 from .families import SITE, by_family
 from .lanes import in_lanes, named
@@ -28,7 +28,7 @@ from .row_bounds import bounds_of_terms
 from .response import response_kernel
 from .site_factors import factors, multiplied, radius_settings, radius_values, rate_function, rated
 from .site_laws import differing, law_functions, law_settings, law_values
-from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites
+from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites, zero_if_absent
 from .same_bonds import energy_kernels
 from .slots import Slots
 
@@ -94,7 +94,7 @@ def rows_of(model, low, over, some, laws):
     """The same, by the terms; some: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
     whole, bounded, rated, radii = in_cells(model, some, over), not model.method.takes_fields, unlike_in(model, "kappa"), unlike_in(model, "radius") and not model.method.by_field
     terms = [whole.get(t.prefix, t) for t in model.fields]
-    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, map(of_absent, some.values())), None)
+    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, (of_absent(t) or of_zeros(low, t, lacking(model.whole)) for t in some.values())), None)
     if why_not:
         return why_not
     apart = [t for t in terms if differs(t)]
@@ -131,7 +131,7 @@ def roles_of(model, t, places: int, whole) -> tuple:
 def role(model, t, k: int, bond, beside_it: int) -> Role:
     own, firsts = t.over.indices.index(t.slots[k][1]), [model.by_name[family].first for family, _ in t.slots]
     number = number_name(t, t.over.bonds.index(bond)) if t.over.number else ""
-    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]), firsts[k], firsts[1 - k])
+    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]), firsts[k], firsts[1 - k], t.slots[1 - k][0] in lacking(model.whole))
 
 
 def bonds_of_terms(model, low, terms, overs, roles, first: dict, bounds) -> dict:
@@ -227,7 +227,7 @@ def row_functions(model) -> list:
     apart = [f for one in found.sited.values() for f in one.functions]
     kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found), zeros(model)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -240,7 +240,8 @@ def bounds_of_a_row(model) -> list:
 
     def at_site(f, bounds, which):
         apart = [one.bound(getattr(one, which)) for one in found.sited.values() if getattr(one, which) and one.moves(f.name)]
-        return (Return(rated(found, with_sites(bounds[model.families.index(f)], apart))),)
+        absent = zero_if_absent(Index("k")) if apart and f.name in lacking(model.whole) else ()
+        return (*absent, Return(rated(found, with_sites(bounds[model.families.index(f)], apart))),)
     return [by_family("smg_real", name, SITE, lambda f, b=bounds, w=which: at_site(f, b, w), model.families, wanted=True)
             for name, bounds, which in said if bounds is not None and (name, bounds) != swept(model)]
 
@@ -280,6 +281,13 @@ def width(found: Rows) -> int:
 def number_of_values(found: Rows) -> int:
     """All that differ from site to site."""
     return width(found) + len(factors(found)) + len(found.differing) + found.radii
+
+
+def zeros(model) -> tuple:
+    """Numbers of absent sites are 0, but for 1/r^2."""
+    found = model.in_rows
+    some = (compare(Index("n"), "<", whole(number_of_values(found) - 1)),) if found.radii else ()
+    return zero_if_absent(Index("site"), *some) if lacking(model.whole) and found.sited else ()
 
 
 def row_settings(model) -> dict:

@@ -10,8 +10,8 @@ from sympy.logic.boolalg import Boolean
 
 from ...language.expr import Elem, Idx, Time, is_draw
 from ...language.spec import Lattice, Sites
-from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Ordered, Return, Scope, mentions
-from ..lower.integers import ZERO, Index, compare, total
+from ..lower.code import Argument, Call, Function, If, Let, Local, Name, Not, Ordered, Return, Scope, mentions
+from ..lower.integers import ZERO, Computed, Index, Int, compare, total
 from ..lower.kernels import COEFFICIENTS, gradient_function
 from ..lower.lowering import index_names
 from .families import returned
@@ -150,13 +150,13 @@ def names(one: Sited) -> list:
     return [a.name for a in one.gradient.arguments if a.kind == "smg_lanes"]
 
 
-def value_function(found, factors, more) -> list:
-    """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms; more: the statements of others behind them."""
+def value_function(found, factors, more, zeros=()) -> list:
+    """smg_site_value(c, n, site): the n-th number of a site; factors: {name: function} of those behind those of terms; more: the statements of others behind them; zeros: those that return 0 where a site is absent."""
     bodies = [*(returned_by(found, n) for n in range(max((one.first + one.width for one in found), default=0))), *map(value_call, factors.values()), *more]
     if not bodies:
         return []
     tests = [If((compare(Index("n"), "==", total(n)),), body) for n, body in enumerate(bodies[:-1])]
-    return [Function("smg_real", "smg_site_value", (COEFFICIENTS, Argument("int64_t", "n"), Argument("int64_t", "site")), (*tests, *bodies[-1]), wanted=True)]
+    return [Function("smg_real", "smg_site_value", (COEFFICIENTS, Argument("int64_t", "n"), Argument("int64_t", "site")), (*zeros, *tests, *bodies[-1]), wanted=True)]
 
 
 def returned_by(found, n: int) -> tuple:
@@ -167,6 +167,16 @@ def returned_by(found, n: int) -> tuple:
 
 def value_call(name: str) -> tuple:
     return (Return(Call(name, (Name("c"), Index("site")))),)
+
+
+def is_there(site: Int):
+    """Is that site not absent?"""
+    return compare(Computed("smg_present", (Index("c"), site)), ">", ZERO)
+
+
+def zero_if_absent(site: Int, *tests) -> tuple:
+    """Returns 0 at once, whatever a formula is there: it may be infinite."""
+    return (If((*tests, Not(is_there(site))), (Return(ZERO),)),)
 
 
 def with_sites(bound, apart):
