@@ -23,7 +23,7 @@ def add(commands):
     parser.add_argument("--set", type=axis, action="append", default=[], dest="axes", metavar="NAME=FIRST:LAST:COUNT",
                         help="COUNT evenly spaced values of a parameter from FIRST to LAST, or a single value, or a list as 1,2,3; may be repeated")
     parser.add_argument("--starts", type=whole, metavar="N", help="N random starts for each combination of values, with consecutive seeds from --seed on")
-    parser.add_argument("--seed", type=whole, default=0, help="the first seed (default: 0)")
+    parser.add_argument("--seed", type=whole, help="the first seed (default: 0); without --starts, the seed of all cells")
     parser.add_argument("--out", required=True, metavar="FOLDER", help="folder for the results; repeat the same command to continue an interrupted sweep")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--processes", type=whole, metavar="N", help="number of cells to compute at the same time (default: one per processor)")

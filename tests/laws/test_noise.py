@@ -43,9 +43,10 @@ energy = "-dot(w[i], w[j])"
 """
 
 
-def spec_of(effects, sites=1, form="gilbert", kT="kT", alpha="alpha", space='sphere = "{sites}"', values="n = 6\nkT = 0.5\nalpha = 0.5", more=""):
+def spec_of(effects, sites=1, form="gilbert", kT="kT", alpha="alpha", space='sphere = "{sites}"', values="n = 6\nkT = 0.5\nalpha = 0.5", more="", orientation=1):
     return smidgen.load_text(f"""[model]
 name = "warm"
+orientation = {orientation}
 [space]
 w = {{ {space.format(sites=sites)} }}
 [parameters]
@@ -137,6 +138,15 @@ def test_steps_are_those_of_the_witness(method):
     one = build(spec, method=method).start("a", h=0.1, seed=2**63 + 7)
     theirs = Witness(spec, seed=2**63 + 7).steps(one.w.copy(), 0, 0.1, 10, method)[-1]
     assert np.abs(one.steps(10).w - theirs).max() < (1e-11 if METHODS[method].controlled else 2e-14)
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", "heun", "depondt-mertens"])
+def test_steps_with_the_other_orientation_are_those_of_the_witness(method):
+    """Noise has no orientation: its strength is that of |h|."""
+    spec = spec_of(PAIRS, 3, space='sphere = "{sites}", kappa = -2.0, radius = 0.5', orientation=-1)
+    one = build(spec, method=method).start("a", h=0.1, seed=5)
+    theirs = Witness(spec, seed=5).steps(one.w.copy(), 0, 0.1, 10, method)[-1]
+    assert np.abs(one.steps(10).w - theirs).max() < 2e-14
 
 
 @pytest.mark.parametrize("effects, sites, space", [

@@ -143,6 +143,20 @@ def test_random_starts_need_a_random_start(command, path):
     assert found.returncode == 2 and "nothing in start 'one' is random" in found.stderr
 
 
+def test_a_seed_without_starts_is_that_of_all_cells(path):
+    """Of a random start or of noise; no silent 0."""
+    spec, folder = smidgen.load(path), path.parent / "cells"
+    found = sweep(spec, "demo", axes={"a": [0.0, 0.3]}, seed=7, out=folder, processes=1)
+    assert [outcome["seed"] for outcome in found] == [7, 7]
+    for outcome in found:
+        wanted = smidgen.run(spec, "demo", parameters=outcome["parameters"], seed=7)
+        assert np.array_equal(smidgen.load_result(folder / outcome["file"]).final, wanted.final)
+    with pytest.raises(smidgen.UsageError, match="nothing in start 'one' is random"):
+        sweep(spec, "one", axes={"a": [0.0]}, seed=7, out=path.parent / "others", processes=1)
+    with pytest.raises(smidgen.UsageError, match="the start is an array"):
+        sweep(spec, "demo", start=np.array([[0.6, 0.0, 0.8]]), starts=2, out=path.parent / "others", processes=1)
+
+
 def test_the_limit_of_cells(path, monkeypatch):
     monkeypatch.setattr(limits, "CELLS", 4)
     assert len(module.cells_of({"a": [1, 2]}, 2, 0)) == 4

@@ -48,14 +48,14 @@ class Cell:
         return f"cell-{self.number}.npz"
 
 
-def cells_of(axes: Mapping[str, list], starts: int | None, seed: int) -> list[Cell]:
-    """Every combination of the values; for each the seeds from `seed` on. Raises UsageError for none, or too many."""
+def cells_of(axes: Mapping[str, list], starts: int | None, seed: int | None) -> list[Cell]:
+    """Every combination of the values; for each the seeds from `seed` on, or that one. Raises UsageError for none, or too many."""
     total = starts or 1
     for values in axes.values():
         total *= len(values)
     if not 1 <= total <= limits.CELLS:
         raise UsageError(f"a sweep must have from 1 to {limits.CELLS} cells, not {total}")
-    seeds = [None] if starts is None else range(seed, seed + starts)
+    seeds = [seed] if starts is None else range(seed, seed + starts)
     combined = itertools.product(*axes.values(), seeds)
     return [Cell(k, dict(zip(axes, parts)), parts[-1]) for k, parts in enumerate(combined)]
 
@@ -76,6 +76,7 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
     :param out: the folder of the results. Cells that are already in it are not computed again.
     :param axes: the values of each parameter, by name.
     :param starts: the number of random starts for each combination, with seeds from `seed` on (None: 0).
+    :param seed: the first of these seeds; without `starts`, the seed of all cells.
     :param processes: how many cells to compute at once.
     :param cluster: the address of a Dask scheduler, whose workers see `out` under the same path.
     :param tell: a function that is called with each outcome as it is completed.
@@ -90,18 +91,19 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
     given = dict(start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, what=what, effects=effects,
                  parameters=dict(parameters or {}), real=real, native=native, substeps=substeps, estimate=estimate, tolerance=tolerance, fast=fast,
                  threads=threads)
-    return swept(spec, run, dict(axes or {}), out, {word: value for word, value in given.items() if value is not None}, starts, seed or 0, processes, cluster, tell)
+    return swept(spec, run, dict(axes or {}), out, {word: value for word, value in given.items() if value is not None}, starts, seed, processes, cluster, tell)
 
 
 def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, seed, processes, cluster, tell) -> list[dict]:
     """The same; given: the choices of the run that are made."""
     if cluster is not None and processes is not None:
         raise UsageError("give either processes or cluster, not both")
-    cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), whole(seed, "a seed")), Path(folder).absolute()
+    seed = whole(seed or 0, "a seed") if starts is not None or seed is not None else None
+    cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), seed), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, run, **{**given, "parameters": {**given.get("parameters", {}), **values}})
-    if starts is not None:
-        state_at(settled.numbers, settled.start, seed)       # is anything random?
+    if seed is not None:
+        check_seed(settled.numbers, settled.start, seed)
     if cluster is not None:
         check(cluster)
     ended = opened(folder, manifest(spec, run, axes, starts, seed, given))
@@ -112,6 +114,14 @@ def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, 
             computed(found, seen, spec, run, left, folder, given, ended, tell)
     tidy(folder)
     return [ended[cell.number] for cell in cells]
+
+
+def check_seed(numbers, start, seed: int) -> None:
+    """Raises UsageError where nothing is random."""
+    if not isinstance(start, np.ndarray):
+        state_at(numbers, start, seed)
+    elif not numbers.spec.heated:
+        raise UsageError("a seed was given, but the start is an array and no effect has kT")
 
 
 def manifest(spec, name, axes, starts, seed, given) -> dict:

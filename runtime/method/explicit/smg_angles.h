@@ -30,7 +30,7 @@ SMG_INLINE smg_real *smg_turns(const smg_state *s, int i) { return s->turns + 3 
 /* The noise of a step, kept in s->unturned: its points need it more than once. */
 static void smg_draw_noise(smg_state *s, smg_real h) {
   for (int64_t k = 0; k < smg_sites(&s->c); ++k) {
-    const smg_real deviation = SMG_MATH(sqrt)(2 * smg_diffusion(&s->c, k) * h);
+    const smg_real deviation = SMG_MATH(sqrt)(2 * smg_diffusion(&s->c, k) * smg_abs(h));
     double theta[3];
     smg_three_normals(smg_philox_of(smg_counter(s->count, k, SMG_USE_NOISE, s->member), s->seed), theta);
     for (int b = 0; b < 3; ++b) s->unturned[3 * k + b] = deviation * theta[b];
