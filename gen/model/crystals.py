@@ -11,6 +11,8 @@ from ..language import limits
 from ..language.shells import SHELLS, Unclear, shell
 from ..packages import needed
 
+SAME = 1e-9         # of a cell: closer fractions are equal
+
 
 def edges_of(name: str, couplings) -> np.ndarray:
     """Rows i, j, J: of a square matrix, dense or of scipy.sparse, its entries above the diagonal, or of rows as they are.
@@ -89,12 +91,23 @@ def lattice_of(name: str, source, elements) -> dict:
     missing = [element for element in wanted if element not in symbols]
     if missing or not len(symbols):
         raise UsageError(f"'{name}' has no atoms{f' of {missing[0]}' if missing else ''}; there are: {', '.join(dict.fromkeys(symbols.tolist()))}")
-    fractions = np.asarray(atoms.get_scaled_positions(wrap=False), float)[np.isin(symbols, wanted)]
-    fractions = np.where(np.abs(fractions - np.rint(fractions)) < 1e-9, 0.0, fractions % 1)
+    periodic = np.broadcast_to(atoms.pbc, 3).astype(bool)
+    fractions = in_one_cell(name, np.asarray(atoms.get_scaled_positions(wrap=False), float)[np.isin(symbols, wanted)], periodic)
     if len(fractions) > limits.CELL:
         raise UsageError(f"'{name}' has {len(fractions)} sites in a cell; at most {limits.CELL} are allowed")
     return {"vectors": np.asarray(atoms.cell, float).tolist(), "positions": fractions.tolist(),
-            "boundary": ["periodic" if closed else "open" for closed in np.broadcast_to(atoms.pbc, 3)]}
+            "boundary": ["periodic" if closed else "open" for closed in periodic]}
+
+
+def in_one_cell(name: str, fractions, periodic):
+    """Fractions from 0 to below 1: modulo 1 where cells repeat; along an open direction all atoms are moved together, so that they keep their distances."""
+    steps = np.where(periodic, np.floor(fractions + SAME), np.floor(fractions.min(axis=0) + SAME))
+    steps = np.where(~periodic & (np.max(fractions - steps, axis=0) >= 1 - SAME), fractions.min(axis=0), steps)
+    found = fractions - steps
+    found = np.where(np.abs(found) < SAME, 0.0, found)
+    if len(beyond := np.flatnonzero(found.max(axis=0) >= 1)):
+        raise UsageError(f"the atoms of '{name}' extend beyond one cell along vector {beyond[0] + 1}, which is not periodic; use a longer vector")
+    return found
 
 
 def shells_within(name: str, says: dict, couplings, cutoff: float | None) -> dict:

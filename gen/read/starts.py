@@ -88,13 +88,18 @@ class StartReader:
             node.get("normalise").wrong(codes.START, f"`{family.name}` is not on a sphere, so there is nothing to normalise to", "leave `normalise` out")
         return chosen
 
-    def measure(self, node: Node, family: Family) -> Measure:
+    def of_vector(self, node: Node, family: Family) -> Measure:
         """What reads the components of a vector; of one that is normalised they may have any unit."""
+        loose = node.has("normalise") and node.get("normalise").flag()
+        return self.measure(node, ANY if loose else self.dimension(family), f"the unit of `{family.name}`")
+
+    def measure(self, node: Node, dimension, what: str) -> Measure:
+        """What reads numbers of a dimension; without a unit of their own they have that of `unit`."""
         if node.has("unit") and self.declared.units is None:
             node.get("unit").wrong(codes.MEASURE, "units in a start require a section [units]", "leave it out")
         found = Measure(self.declared.units, node.get("unit"))
-        if not (node.has("normalise") and node.get("normalise").flag()):
-            found.needed(node.get("unit"), self.dimension(family), f"the unit of `{family.name}`")
+        if dimension is not ANY:
+            found.needed(node.get("unit"), dimension, what)
         return found
 
     def dimension(self, family: Family) -> tuple:
@@ -106,7 +111,7 @@ class StartReader:
             node.wrong(codes.MEASURE, f"this gives `{family.name}` the length 1, but it is {said(self.dimension(family))}", "give x, y, z or vectors, with units")
 
     def vectors(self, node: Node, family: Family):
-        entries, measure = node.get("vectors").entries("list of vectors"), self.measure(node, family)
+        entries, measure = node.get("vectors").entries("list of vectors"), self.of_vector(node, family)
         return "vectors", tuple(self.vector(entry, measure) for entry in entries)      # of a list of data the first error is enough
 
     def vector(self, entry: Node, measure: Measure) -> tuple[float, ...]:
@@ -120,7 +125,7 @@ class StartReader:
         if len(rows[0]) != 3:
             node.get("file").wrong(codes.TABLE, f"`{node.get('file').raw}` has {len(rows[0])} "
                                    "columns", "it should contain rows `x, y, z`")
-        share = self.measure(node, family).share(node.get("file"))
+        share = self.of_vector(node, family).share(node.get("file"))
         return "vectors", tuple(tuple(float(x) * share for x in row) for row in rows)
 
     def random(self, node: Node, family: Family):
@@ -139,6 +144,12 @@ class StartReader:
 
     def component(self, node: Node, key: str, wanted, family: str) -> Expr:
         child = node.need(key, f"give either `{' '.join(FORMS['formula'])}` or `theta phi`")
+        if node.has("unit"):
+            measure = self.measure(node, wanted, "the unit of an angle" if key in FORMS["angles"] else f"the unit of `{family}`")
+            if child.is_number():
+                return Num(measure.number(child))
+            if wanted == NONE:
+                child.wrong(codes.MEASURE, "`unit` is that of numbers, but this is a formula", "remove `unit`, and write the unit in the formula: `10 deg`")
         return self.formulas.free(child, "a start", "i", wanted, family)
 
     def angles(self, node: Node, family: Family):
@@ -160,8 +171,7 @@ class StartReader:
     def listed_angles(self, node: Node, family: Family):
         """`theta = [0.7, 1.1]`, `phi = [0.2, 2.0]`: one pair for each site."""
         self.plain(node.get("theta") or node, family)
-        measure = Measure(self.declared.units)
-        measure.needed(None, NONE, "an angle")
+        measure = self.measure(node, NONE, "the unit of an angle")
         theta, phi = ([measure.number(e) for e in node.need(k, "theta and phi must both be given").entries(
             "list of angles, like the other one")] for k in FORMS["angles"])
         if len(theta) != len(phi):

@@ -154,10 +154,17 @@ class TermReader:
         if not (alone and isinstance(over, (Sites, Each))):
             node.wrong(codes.INDEX, "all vectors in a sum of energies must have bound indices",
                        "write `each(i of p, j of w)` for all combinations, or a graph for some")
-        extra = {f: f"{f}_site" for f in sorted(fixed)}
+        extra: dict[str, str] = {}
+        for f in sorted(fixed):
+            extra[f] = unused(f"{f}_site", {*families, *extra.values(), *self.declared.names()})
         over = Each(tuple(families) + tuple(extra.values()),
                     tuple(families.values()) + tuple(extra))
         return over, moved(value, extra)
+
+
+def unused(name: str, taken: set) -> str:
+    """The name, with a number behind it where it is taken."""
+    return next(one for one in (name, *(f"{name}{k}" for k in range(2, len(taken) + 3))) if one not in taken)
 
 
 def moved(e, extra: dict[str, str]):

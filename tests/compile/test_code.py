@@ -17,6 +17,7 @@ from smidgen.compile.emit.targets import PRINTERS, printed
 from smidgen.compile.lower.code import (Add, Argument, Assign, At, Call, Component, Constant, Element, For, Function, Held, If, Let, Local, Name,
                                         Ordered, Parameter, Real, Return, Scope, Table, Value, Zeros, mentions, needed, refuse, tidy, walk, where, written)
 from smidgen.compile.lower.integers import ONE, ZERO, Cell, Field, Given, Index, Size, Whole, compare, modulo, quotient, remainder, times, total, wrapped
+from smidgen.compile.lower.trim import trim
 from smidgen.compile.plan.plan import choose
 from smidgen.methods import DEFAULT
 from smidgen.read import load_text
@@ -298,3 +299,13 @@ def test_the_middle_prints_nothing():
         documents = {ast.get_docstring(node, clean=False) for node in ast.walk(tree) if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))}
         texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)} - documents
         assert not [text for text in texts if any(mark in text for mark in (";", "{", "}", "->"))], path.name
+
+
+def test_functions_that_differ_in_the_last_digit_stay():
+    """A text of sympy has fifteen digits, a double seventeen."""
+    def scaled(name, x):
+        return Function("smg_real", name, (Argument("const smg_real *", "v0"),), (Return(Real(x * X, {"x": Component("v0", 0)})),), inlined="usual")
+    functions = [scaled("a", sp.Float(0.3)), scaled("b", sp.Float(0.1 + 0.2)), scaled("c", sp.Float(0.3))]
+    body = tuple(Assign(Name(f"y{k}"), Call(f.name, (Name("w"),))) for k, f in enumerate(functions))
+    kept, (calls,) = trim(functions, [body])
+    assert [f.name for f in kept] == ["a", "b"] and [one.value.function for one in calls] == ["a", "b", "a"]

@@ -115,3 +115,24 @@ def test_ase_and_a_cif(tmp_path):
         model = Model("iron")
         model.crystal("fe", source, (3, 3, 3), [1.0, 0.5])
         assert np.bincount(bonds(model.spec(), "w", {}).ravel()).tolist() == [14] * 54
+
+
+def slab(heights, pbc=(True, True, False)):
+    """Atoms one above the other, at these heights in a cell of height 20."""
+    found = np.array([(0, 0, z / 20) for z in heights])
+    return SimpleNamespace(cell=np.diag([5.0, 5.0, 20.0]), pbc=pbc, get_scaled_positions=lambda wrap: found, get_chemical_symbols=lambda: ["Fe"] * len(found))
+
+
+@pytest.mark.parametrize("heights", [(9.5, 10.5), (-0.5, 0.5), (19.5, 20.5), (-19.0, -20.0), (-10.5, -9.5)])
+def test_atoms_keep_their_distances_along_an_open_direction(heights):
+    model = Model("slab")
+    model.crystal("c", slab(heights), (3, 3, 1), (1.0,))
+    spec = model.spec()
+    there = positions(spec, "w", Evaluated(spec).values)
+    assert np.ptp(there[:, 2]) == pytest.approx(1, abs=1e-9)
+    assert Witness(spec).energy(np.tile([0, 0, 1.0], (18, 1))) == -9
+
+
+def test_atoms_beyond_one_cell_of_an_open_direction_are_refused():
+    with pytest.raises(UsageError, match="the atoms of 'c' extend beyond one cell along vector 3, which is not periodic"):
+        Model("slab").crystal("c", slab((-1.0, 20.0)), (3, 3, 1), (1.0,))

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from smidgen.check.witness import Witness
 from smidgen.language import limits
 from smidgen.errors import SpecError, UsageError
 from smidgen.language.evaluate import evaluate
@@ -247,6 +248,15 @@ def test_starts():
     assert (b.kind, b.value, c.kind, d.kind) == ("random", 3, "formula", "vectors")
     assert d.value[3] == pytest.approx((math.sin(3) * math.cos(1), math.sin(3) * math.sin(1),
                                         math.cos(3)))
+
+
+def test_the_index_of_a_single_vector_is_no_other_index():
+    spec = load_text(spec_of("[space]\ns = { sphere = 1 }\nw = { sphere = 3 }\n[parameters]\ns_site2 = 0.5\n"
+                             "[effects.e]\nover = 'site(s_site) of w'\nenergy = 's_site2*dot(s, w[s_site])'\n"))
+    over = spec.effects[0].over
+    assert isinstance(over, Each) and len({*over.indices, "s_site2"}) == 3
+    w = np.arange(12.0).reshape(4, 3)
+    assert Witness(spec).energy(w) == 0.5 * np.sum(w[1:] @ w[0])
 
 
 def test_a_family_may_be_named_like_an_axis():

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from smidgen.errors import SpecError
 from smidgen.language.codes import CONFLICT, DIMENSION, LIMIT, MEASURE, MISSING, NUMBER, SYNTAX, TYPE, UNIT
 from smidgen.read import load_text
+from smidgen.run.step.start import initial_state
 
 pytestmark = pytest.mark.quick
 
@@ -127,6 +128,8 @@ WRONG = [   # in place of, what is written, the code, what the caret points at, 
     ("0.02 rad/ps", "0.02 rad/tau^2", DIMENSION, None, "a torque"),
     ('"i < 2"', '"i < B"', DIMENSION, "B", "`<` combines"),
     ('unit = "mu_B"', 'unit = "meV"', DIMENSION, '"meV"', "the unit of `M`"),
+    ('theta = "30 deg"', 'unit = "ps"\ntheta = 30', DIMENSION, '"ps"', "cannot be the unit of an angle"),
+    ('theta = "30 deg"', 'unit = "deg"\ntheta = "30 + i"', MEASURE, '"30 + i"', "`unit` is that of numbers"),
     ('"30 deg"', '"30 ps"', MEASURE, '"30 ps"', "a start must be a number without a unit"),
     ('"1 meV ps", 0, 0', "1, 0, 0", DIMENSION, "1", "where an angular momentum is needed"),
     ('vectors = [["1 meV ps", 0, 0]]', "random = 1", MEASURE, "1", "gives `v` the length 1"),
@@ -148,6 +151,17 @@ def test_the_film_is_right():
     spec = load_text(FILM)
     assert spec.units and {p.name: p.unit for p in spec.parameters}["m"] == "meV/T"
     assert {o.name: o.unit for o in spec.observables} == {"M": "mu_B"} and len(WRONG) >= 30
+
+
+@pytest.mark.parametrize("angles", ["theta = 30\nphi = 0", "theta = %s\nphi = %s" % ([30] * 16, [0] * 16)])
+def test_angles_have_the_unit_of_their_start(angles):
+    spec = load_text(spec_with('theta = "30 deg"\nphi = 0', f'unit = "deg"\n{angles}'))
+    assert initial_state(spec, "up")[0] == pytest.approx([0.5, 0, 0.75 ** 0.5], abs=1e-15)
+
+
+def test_components_have_the_unit_of_their_start():
+    spec = load_text(spec_with('vectors = [["1 meV ps", 0, 0]]', 'x = 2\ny = 0\nz = "1 meV ps"\nunit = "eV ps"'))
+    assert initial_state(spec, "up")[-1].tolist() == [2000, 0, 1]
 
 
 @pytest.mark.parametrize("old, new, code, at, cause", WRONG, ids=[f"{k}-{new.split(' = ')[-1][:24]}" for k, (_, new, *_) in enumerate(WRONG)])

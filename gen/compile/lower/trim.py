@@ -6,7 +6,9 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
-from .code import Call, Function, Let, Name, Table, Value, Zeros, mentions, walk
+import sympy as sp
+
+from .code import Call, Function, Let, Name, Real, Table, Value, Zeros, mentions, walk
 from .integers import Computed, Node
 
 
@@ -27,10 +29,15 @@ def alike(definitions, apart) -> dict:
     first, same = {}, {}
     for f in definitions:
         if isinstance(f, Function) and not f.wanted and f.name not in apart:
-            earlier = first.setdefault(repr(replace(f, name="")), f.name)
+            earlier = first.setdefault((repr(replace(f, name="")), digits(f)), f.name)
             if earlier != f.name:
                 same[f.name] = earlier
     return same
+
+
+def digits(f: Function) -> tuple:
+    """All digits of the numbers in its formulas, of which a text has fifteen."""
+    return tuple(tuple(sorted(map(float, one.expr.atoms(sp.Float)))) for one in walk(f) if isinstance(one, Real))
 
 
 def renamed(node, same: dict):
