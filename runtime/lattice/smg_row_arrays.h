@@ -38,7 +38,8 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
   return next;
 }
 
-/* Numbers that tables take: of neighbours, of a lattice in blocks; of what differs from site to site. */
+/* Numbers that tables take: of neighbours, of a lattice in blocks; of what differs from site to site; of many kinds of
+ * rows, with the norms beside each place. */
 static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
   smg_blocks blocks;
   const int there = smg_in_blocks(&s->c, &blocks);
@@ -48,9 +49,9 @@ static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
   s->row_values = mem ? smg_line_from(mem + used) + SMG_BEFORE : NULL;
   used += SMG_WIDEST + (size_t)(SMG_SITE_VALUES * smg_pitch(&s->c));
 #endif
-#if SMG_KNOWN > SMG_AT_HAND
+#if SMG_MANY_KINDS
   s->row_kinds = mem ? smg_line_from(mem + used) : NULL;
-  used += SMG_WIDEST + sizeof(smg_beside) / sizeof(smg_real) * SMG_KNOWN * SMG_BESIDES;
+  used += SMG_WIDEST + (size_t)smg_kinds_size() + SMG_BESIDE_NORMS * SMG_PLACES * (SMG_BESIDES + 1);
 #endif
   return used;
 }
@@ -102,11 +103,8 @@ static void smg_enter_rows(smg_state *s) {
 static void smg_know_rows(const smg_state *s, smg_besides *known) {
   smg_blocks found;
   const smg_blocks *blocks = smg_blocks_of(s, &found);
-  smg_forget_besides(&s->c, known);
+  smg_forget_besides(&s->c, SMG_KINDS_OF(s), known);
   known->beside = s->row_beside;
-#if SMG_KNOWN > SMG_AT_HAND
-  known->rows = (smg_beside(*)[SMG_BESIDES])s->row_kinds;
-#endif
 #if SMG_SITE_VALUES
   known->values = s->row_values;
 #endif

@@ -80,11 +80,15 @@ static smg_real smg_weigh(const smg_state *s, smg_besides *known, const smg_norm
 static int smg_weights_show(const smg_state *s, smg_besides *known, const smg_real *t, smg_real *d) {
   const int64_t pitch = smg_pitch(&s->c);
   smg_real *next = d + pitch;
-  smg_norms_beside norms;
-  smg_find_norms(&s->c, &norms);
+#if SMG_MANY_KINDS
+  smg_norms_beside *norms = (smg_norms_beside *)(void *)((smg_real *)s->row_kinds + smg_kinds_size());
+#else
+  smg_norms_beside at_hand, *norms = &at_hand;
+#endif
+  smg_find_norms(&s->c, norms);
   for (int64_t k = 0; k < pitch; ++k) d[k - SMG_BEFORE] = next[k - SMG_BEFORE] = 1;
   for (smg_real n = 0, last = SMG_MAX; n < SMG_WEIGHINGS; ++n) {
-    const smg_real bound = smg_weigh(s, known, &norms, t, d, next);
+    const smg_real bound = smg_weigh(s, known, norms, t, d, next);
     if (bound <= SMG_ROW_SHOWN) return 1;
     if (bound - SMG_WEIGHING_PATIENCE * (last - bound) > SMG_ROW_SHOWN) return 0;
     last = bound;

@@ -147,7 +147,14 @@ static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, i
 #define SMG_ROW_KINDS (2 * SMG_REACH_1 + SMG_ROW_STEP)
 #define SMG_KNOWN \
   (SMG_COLOURS * SMG_RANKS * SMG_KINDS(SMG_REACH_3) * SMG_KINDS(SMG_REACH_2) * SMG_ROW_KINDS * SMG_ROW_STEP)
-#define SMG_AT_HAND 300 /* of them on the stack, else all of them in the memory of the state */
+/* up to so many, times the neighbours of a site, their table is on the stack: 16 KB; else in the memory of the state */
+#define SMG_AT_HAND 400
+#define SMG_MANY_KINDS (SMG_KNOWN * SMG_BESIDES > SMG_AT_HAND)
+#if SMG_MANY_KINDS
+#define SMG_KINDS_OF(s) ((s)->row_kinds)
+#else
+#define SMG_KINDS_OF(s) NULL
+#endif
 SMG_INLINE int64_t smg_kind_of_cell(int64_t s, int64_t n, int64_t reach) {
   return s < reach ? s : s < n - reach ? reach : s - n + SMG_KINDS(reach);
 }
@@ -413,10 +420,15 @@ static inline int64_t smg_piece_room(const smg_coefficients *c) {
   return SMG_PIECE;
 }
 
+/* Numbers of the memory that the table of all kinds takes. */
+static inline int64_t smg_kinds_size(void) {
+  return (int64_t)((SMG_KNOWN * SMG_BESIDES * sizeof(smg_beside) + sizeof(smg_real) - 1) / sizeof(smg_real));
+}
+
 /* What stands beside rows of every kind, from memory; and the places of the slots of short rows, so many that vectors
  * may begin at each of them. */
 typedef struct smg_besides {
-#if SMG_KNOWN > SMG_AT_HAND
+#if SMG_MANY_KINDS
   smg_beside (*rows)[SMG_BESIDES];
 #else
   smg_beside rows[SMG_KNOWN][SMG_BESIDES];
@@ -435,8 +447,12 @@ typedef struct smg_besides {
   smg_lane_order order[SMG_WIDEST];
 } smg_besides;
 
-static inline void smg_forget_besides(const smg_coefficients *c, smg_besides *all) {
+/* kinds: where their table is, of many. */
+static inline void smg_forget_besides(const smg_coefficients *c, SMG_UNUSED void *kinds, smg_besides *all) {
   const int64_t length = smg_row_length(c);
+#if SMG_MANY_KINDS
+  all->rows = (smg_beside(*)[SMG_BESIDES])kinds;
+#endif
   memset(all->known, 0, sizeof all->known);
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
   all->room = smg_piece_room(c);

@@ -108,6 +108,35 @@ def test_the_stack_is_large_enough_however_it_is_compiled(name, values, method, 
     check(found, scene, files)
 
 
+PACKED = """
+[model]
+name = "packed"
+[space]
+w = {{ sphere = "{places}*n*n{more}" }}
+[parameters]
+n = 6
+{lattice}
+[effects.exchange]
+over = "bond(i, j) of {over}"
+energy = "-0.5*dot(w[i], w[j])"
+[starts.s]
+random = 1
+"""
+ALL_BOUND = ",\n".join(f"{{ from = {i}, to = {j}, offset = [0, 0] }}" for i in range(0, 30, 2) for j in range(1, 30, 2))
+LARGE_CELL = f'[lattices.large]\nsize = ["n", "n"]\nboundary = "periodic"\nsites = 30\nbonds.all = [{ALL_BOUND},\n{{ from = 1, to = 0, offset = [1, 0] }}]\n'
+MANY_KINDS = {"fcc": smidgen.load_text(PACKED.format(places=1, more="*n", lattice="", over="fcc(n, n, n, periodic)")),
+              "large cell": smidgen.load_text(PACKED.format(places=30, more="", lattice=LARGE_CELL, over="large"))}
+
+
+@pytest.mark.parametrize("name, method", [pytest.param("fcc", "spherical-midpoint", marks=pytest.mark.long), ("fcc", "gauss-4"), pytest.param("fcc", "dop853", marks=pytest.mark.long),
+                                          pytest.param("fcc", "sublattice-rotations", marks=pytest.mark.long), pytest.param("large cell", "spherical-midpoint", marks=pytest.mark.long)])
+def test_the_table_of_many_neighbours_is_not_on_the_stack(name, method, tmp_path):
+    """12 and 15 of each site: the table stands in the memory of the state."""
+    found, scene, files = run(tmp_path, MANY_KINDS[name], {}, method, "auto", sizes=[0.1, 10.0], states=1)
+    check(found, scene, files)
+    assert "row_kinds" in files["packed.h"]
+
+
 BATH = """
 [model]
 name = "heated"

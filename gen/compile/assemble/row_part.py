@@ -9,7 +9,7 @@ from .beside_norms import beside_norms, norm_function
 from .effort import beyond_rows, by_rows
 from .part import MOST_LANES, Part, buffer, placed
 from .row_changes import change_functions, changes_of
-from .rows import Rows, besides, many_kinds, number_of_values, row_functions, row_settings, rows, site_values, slots_of
+from .rows import Rows, besides, kinds_size, number_of_values, row_functions, row_settings, rows, site_values, slots_of
 
 
 class ByRows(Part):
@@ -35,7 +35,7 @@ class ByRows(Part):
 
     def members(self, model):
         values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
-        values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(many_kinds(model))
+        values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(kinds_size(model) and not model.method.takes_fields)
         values += [("void *row_known", "what stands beside rows, during a call")] * model.method.by_field
         values += [(f"smg_real *row_increments[{model.composed}]", "increments of all stages of the last step by slots, for the tangent map")] * bool(model.composed and model.in_rows.changes)
         return values + ([] if model.method.takes_fields else row_members(model.method.of_midpoints, model.composed))
@@ -51,9 +51,9 @@ class ByRows(Part):
             (name, numbers, more, meaning), = model.method.arrays
             sizes = (("u", 3, 0, "increment W - w of the current step, by slots"), (name, numbers, more, f"{meaning}, by slots"),
                      ("row_spins", 6 + site_values(model), 0, "w and its rounding errors by slots, during a call"))
-            return [buffer(name, Computed("smg_slot_numbers", (Index("c"), whole(n))) + more, meaning) for name, n, more, meaning in sizes]
+            return [*(buffer(name, Computed("smg_slot_numbers", (Index("c"), whole(n))) + more, meaning) for name, n, more, meaning in sizes), *kinds_buffer(model)]
         size = Computed("smg_stages_size", (Index("c"),))
-        return [buffer("stages", size, "components by slots: w, z, points, stages and slopes")] if model.method.stage_rows else []
+        return [buffer("stages", size, "components by slots: w, z, points, stages and slopes"), *kinds_buffer(model)] if model.method.stage_rows else []
 
     def laid_out(self, model):
         """Where steps go by rows, with no other arrays than those."""
@@ -70,8 +70,8 @@ class ByRows(Part):
 
     def sizes(self, model, value):
         if model.method.by_field:
-            return {"smg_slot_numbers": lambda n: MOST_LANES + n * slots_of(model, value).pitch}
-        return {"smg_beyond_size": lambda: beyond(model, value),
+            return {"smg_slot_numbers": lambda n: MOST_LANES + n * slots_of(model, value).pitch, "smg_kinds_size": lambda: kinds_size(model)}
+        return {"smg_beyond_size": lambda: beyond(model, value), "smg_kinds_size": lambda: kinds_size(model),
                 "smg_stages_size": lambda: MOST_LANES + (10 + 15 * dict(model.method.defines)["SMG_STAGES"] + site_values(model)) * slots_of(model, value).pitch}
 
     def numbers(self, model, value):
@@ -80,7 +80,7 @@ class ByRows(Part):
             return 0
         around = sum(value(b.size) for part in model.parts for b in part.around(model))
         slots = slots_of(model, value)
-        return around + slots.arrays(model.method.of_midpoints, model.composed, bool(model.in_rows.changes)) + slots.tables(site_values(model), besides(model), many_kinds(model))
+        return around + slots.arrays(model.method.of_midpoints, model.composed, bool(model.in_rows.changes)) + slots.tables(site_values(model), besides(model), kinds_size(model))
 
     def lanes(self, model):
         return MOST_LANES
@@ -91,10 +91,15 @@ def proved_at_solutions(model) -> bool:
     return model.method.of_midpoints and model.method.onto_leaf
 
 
+def kinds_buffer(model) -> list:
+    """The table of what stands beside rows of many kinds, of methods that have no other arrays by rows."""
+    return [buffer("row_kinds", Computed("smg_kinds_size", ()), "what stands beside rows of each kind")] * bool(kinds_size(model))
+
+
 def beyond(model, value) -> int:
     """smg_beyond_size."""
     slots = slots_of(model, value)
-    return slots.beyond() + slots.tables(site_values(model), besides(model), many_kinds(model))
+    return slots.beyond() + slots.tables(site_values(model), besides(model), kinds_size(model))
 
 
 def row_members(swept: bool, stages: int | None) -> list:

@@ -11,10 +11,11 @@ from itertools import product
 
 from ...language.held import lacking
 from ...language.spec import Lattice, Sites
+from ...resources import runtime_numbers
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
-from ..plan.colouring import AT_HAND, KNOWN, Colouring, colouring, kinds_of_rows
+from ..plan.colouring import FEW_KINDS, KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
@@ -108,7 +109,7 @@ def rows_of(model, low, over, some, laws):
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
     found = Rows(over, colouring(lattices(model)), *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely)
-    if not fits(found, lattices(model), KNOWN if bounded else AT_HAND):
+    if not fits(found, lattices(model), KNOWN if bounded else FEW_KINDS):
         return f"{longest(model)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, first, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
     overs = {whole.get(t.prefix, t).prefix: t.over for t in model.fields}
@@ -192,10 +193,11 @@ def longest(model) -> str:
     return max(reaches, key=reaches.get)
 
 
-def many_kinds(model) -> int:
-    """How many kinds of rows, where they are too many for the stack; else 0."""
-    kinds = kinds_of_rows(model.in_rows.colours, lattices(model))
-    return kinds if kinds > AT_HAND else 0
+def kinds_size(model) -> int:
+    """Numbers in memory of the table of what stands beside rows of each kind, where it is too large for the stack (SMG_MANY_KINDS); else 0."""
+    entries = kinds_of_rows(model.in_rows.colours, lattices(model)) * besides(model)
+    norms = model.in_rows.over.sites * (besides(model) + 1) if model.in_rows.norms is not None else 0
+    return 5 * entries + norms if entries > runtime_numbers()["SMG_AT_HAND"][0] else 0
 
 
 def fits(found: Rows, lattices, kinds: int = KNOWN) -> bool:

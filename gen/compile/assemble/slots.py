@@ -35,9 +35,9 @@ class Slots:
         """Those of smg_place_beyond."""
         return MOST_LANES + (15 + 3 * number("SMG_PATH_ARRAYS")) * self.pitch + 3 * self.ends
 
-    def tables(self, values: int, besides: int, kinds: int = 0) -> int:
-        """Those of smg_place_tables, with the neighbours of blocks, whether there are blocks or not; kinds: of rows, in the memory of the state."""
-        return (MOST_LANES + 5 * kinds * besides) * (kinds > 0) + (MOST_LANES + values * self.pitch) * (values > 0) + -(-self.colours * self.colour // MOST_LANES * besides // 2)
+    def tables(self, values: int, besides: int, kinds: int) -> int:
+        """Those of smg_place_tables, with the neighbours of blocks, whether there are blocks or not; kinds: of many kinds of rows."""
+        return (MOST_LANES + kinds) * (kinds > 0) + (MOST_LANES + values * self.pitch) * (values > 0) + -(-self.colours * self.colour // MOST_LANES * besides // 2)
 
 
 def number(name: str) -> int:

@@ -12,8 +12,7 @@ from itertools import islice, product
 from math import gcd, prod
 
 MOST_COLOURS = 8
-AT_HAND = 300   # kinds of rows whose neighbours are kept on the stack (SMG_AT_HAND of smg_rows.h): with six of them 72 KB
-KNOWN = 1000    # at most; beyond, in the memory of the state
+FEW_KINDS, KNOWN = 300, 1000    # kinds of rows: of a colouring that is taken first; at most
 LOOKED_AT = 1000        # colourings with the fewest colours, of which one of few kinds of rows is taken
 
 
@@ -34,7 +33,7 @@ def colouring(lattices) -> Colouring:
     for colours in range(2, MOST_COLOURS + 1):
         some = list(islice(colourings(colours, dimension, sites, bonds), LOOKED_AT))
         if some:
-            return next((c for most in (AT_HAND, KNOWN) for c in some if kinds_of_rows(c, lattices) <= most), some[0])
+            return next((c for most in (FEW_KINDS, KNOWN) for c in some if kinds_of_rows(c, lattices) <= most), some[0])
     return one_colour(lattices[0])
 
 

@@ -100,7 +100,7 @@ static int64_t smg_lost_in(const smg_state *s, const smg_real *v) {
 static void smg_enter_fields(smg_state *s, smg_besides *known) {
   const int64_t pitch = smg_pitch(&s->c);
   smg_real *w = smg_spins(s) + SMG_BEFORE;
-  smg_forget_besides(&s->c, known);
+  smg_forget_besides(&s->c, SMG_KINDS_OF(s), known);
   s->row_known = known;
 #if SMG_SITE_VALUES
   known->values = s->row_values = smg_vector_of(s, s->row_spins, 2) + SMG_BEFORE;

@@ -21,7 +21,7 @@ static void smg_begin_sweep(smg_state *s, smg_gauss_work *a) {
   a->marks = NULL;
   a->shift.theta = 0;
   a->told = smg_told_of(&s->c, 0);
-  smg_forget_besides(&s->c, &a->known);
+  smg_forget_besides(&s->c, SMG_KINDS_OF(s), &a->known);
 #if SMG_SITE_VALUES
   a->known.values = s->row_values = smg_slot_component(s, SMG_SLOT_COMPONENTS);
   smg_fill_values(s);
