@@ -280,6 +280,7 @@ def _finish(model, settings, recorder, status, error, began):
         meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
         if meta["estimate"]:
             meta["end_error"], meta["end_error_withheld"] = estimated(model, settings, extras["final"])
+    recorder.without_absent(extras["final"])
     numbers = model.prepared.numbers
     if (there := all_positions(numbers.spec, {name: count for name, (_, count) in numbers.places.items()}, numbers.values)) is not None:
         extras["positions"] = there

@@ -206,6 +206,7 @@ def test_outputs_have_no_absent_site(tmp_path):
     assert np.abs(result.values["momentum.w"] - result.w["w"][:, there].sum(axis=1)).max() < 1e-14
     assert np.abs(result.values["mz"] - (result.w["w"][:, there, 2] + 1).sum(axis=1)).max() < 1e-14
     assert not result.values["casimirs"][:, [4, 5, 10]].any()
+    assert not result.final[[4, 5, 10]].any() and np.array_equal(result.final, result.w["w"][-1])
 
 
 @quick

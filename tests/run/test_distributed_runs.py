@@ -63,6 +63,20 @@ def same(a, b) -> bool:
     return a.keys() == b.keys() and a.meta["status"] == b.meta["status"] and all(x.tobytes() == y.tobytes() for x, y in pairs)
 
 
+def test_absent_sites_are_0_in_the_file(magnet, monkeypatch):
+    """As in that of any other run; window by window."""
+    from smidgen.run.distributed.run import run_distributed
+    from smidgen.run.step import divided
+    monkeypatch.setattr(divided, "WINDOW", 100)
+    spec = smidgen.load_text(MAGNET.sources[0][1] + '[effects.holes]\nover = "site(k) of w"\nabsent = "mod(k, 7) == 3"\n')
+    run, given = None, dict(start="random", h=0.1, steps=4, every=2, what=("states", "energy"), estimate=False)
+    smidgen.run(spec, run, out=magnet.where / "one.h5", **given)
+    run_distributed(spec, run, magnet.where / "two.h5", **given)
+    found = smidgen.load_result(magnet.where / "two.h5")
+    assert same(magnet.where / "one.h5", magnet.where / "two.h5")
+    assert not found.final[3::7].any() and not found.w["w"][:, 3::7].any() and found.final[4::7].all()
+
+
 @needs_mpi4py
 @pytest.mark.long
 def test_ranks_write_what_one_writes(magnet):

@@ -9,6 +9,7 @@ import numpy as np
 from ... import ranks
 from ...errors import UsageError
 from ...extremes import largest
+from ...language.held import absent
 from ...language.places import on_lattice, placed_on
 from ...language.spec import Lattice
 from ..files.output import RESERVED, result_of
@@ -16,6 +17,7 @@ from ..files.places import write_at
 from ..record.conserved import driven, energy_of, with_tracers
 from ..record.record import columns_of
 from ..run import describe
+from ..step.evaluated import per_site
 from .store import on_all, on_first
 
 
@@ -30,6 +32,7 @@ class Rows:
         self.family = next(iter(model.families))
         over = placed_on(model.spec, self.family)
         self.over = over if isinstance(over, Lattice) else None
+        self.gone = absent(model.scene, self.family)        # a condition, or None
 
     def arrays(self) -> dict:
         """name -> (shape, dtype) of all that the file has."""
@@ -69,16 +72,21 @@ class Rows:
     def write(self, values: dict) -> None:
         """This rank's part of a row."""
         if self.family in self.layout:
-            self.put(self.family, self.places[self.family].row(self.count), self.model.part)
+            self.put(self.family, self.places[self.family].row(self.count))
         momentum = f"momentum.{self.family}"
         numbers = {**values, "step": self.model.count, "t": self.model.t, momentum: [values.get(f"{momentum}.{x}") for x in "xyz"]}
         for name, (_, kind) in self.layout.items() if ranks.first() else ():
             if name != self.family:
                 write_at(self.store.handle, np.asarray(numbers[name], kind), self.places[name].row(self.count))
 
-    def put(self, name: str, offset: int, vectors) -> None:
-        """Vectors of this rank's sites in an array of all."""
-        write_at(self.store.handle, vectors, offset + 3 * self.model.first * self.places[name].kind.itemsize)
+    def put(self, name: str, offset: int) -> None:
+        """Vectors of this rank's sites in an array of all, 0 at sites that are not there."""
+        model, part = self.model, self.model.part
+        for first, count in [(model.first, len(part))] if self.gone is None else model.windows():
+            vectors = part[first - model.first:][:count]
+            if self.gone is not None:
+                vectors = np.where(per_site(self.gone, model.prepared.numbers.values, count, first)[:, None], 0, vectors)
+            write_at(self.store.handle, vectors, offset + 3 * first * self.places[name].kind.itemsize)
 
     def save(self, seconds: float) -> None:
         """A checkpoint: the rows and the state of all ranks are on the disk before it counts."""
@@ -117,7 +125,7 @@ class Rows:
 
     def write_last(self) -> None:
         """What no row has: the last state, and where sites stand."""
-        self.put("final", self.places["final"].offset, self.model.part)
+        self.put("final", self.places["final"].offset)
         sites = self.over.sites if self.over else 1
         for first, count in self.model.windows() if self.over else ():
             found = on_lattice(self.over, self.model.prepared.numbers.values, first // sites, -(-(first + count) // sites))

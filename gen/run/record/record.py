@@ -57,8 +57,8 @@ class Recorder:
         done = self.model.outputs(first, every, self.block, begin, count)
         self.steps[begin:begin + done] = before + first + every * np.arange(done)
         new = slice(begin, begin + done)
-        if self.gone is not None and self.block.states is not None:
-            self.block.states[new, self.gone] = 0
+        if self.block.states is not None:
+            self.without_absent(self.block.states[new])
         if done:
             self.begun = True
             self.deviations.see(self.block.values[new], None if self.block.casimirs is None else self.block.casimirs[new])
@@ -68,6 +68,12 @@ class Recorder:
         if not self.room:
             self.flush()
         return self.model.count - before
+
+    def without_absent(self, w: np.ndarray) -> np.ndarray:
+        """States (.., sites, 3) as outputs have them: 0 at sites that are not there."""
+        if self.gone is not None:
+            w[..., self.gone, :] = 0
+        return w
 
     def split(self, k: int) -> None:
         """The step to the present state was taken as 2^k smaller ones."""
