@@ -11,6 +11,8 @@ import time as clock
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import DEFAULT, METHODS
@@ -18,6 +20,7 @@ from ..run.many.average import Job
 from ..run.record.means import BINS
 from ..run.settings import Settings
 from ..run.step.prepared import choose as one_of
+from ..run.step.start import find_start, state_at
 from ..tables import text_of
 from .measure.case import asked_time
 from .report import CostTable, duration, label, shown, table_of
@@ -79,7 +82,7 @@ def weak_cost(spec: Spec, settings: Settings, time, methods: Iterable[str] | Non
     whole = abs(asked_time(spec, settings, time) or settings.h * settings.steps)
     coarse = 2 * SAMPLES * max(1, round(whole / settings.h / (2 * SAMPLES * 4)))
     plan = [(name, coarse << k) for name in names for k in range(RUNGS)]
-    share = seconds / (len(plan) + REFERENCE)
+    share, settings = seconds / (len(plan) + REFERENCE), one_start(spec, settings)
     progress("reference", 0.0)
     reference = row_of(spec, settings, whole, DEFAULT, coarse << RUNGS, what, share * REFERENCE, 0)
     if reference.status or reference.members < FEWEST:
@@ -90,6 +93,13 @@ def weak_cost(spec: Spec, settings: Settings, time, methods: Iterable[str] | Non
         rows.append(beside(row_of(spec, settings, whole, name, steps, what, share, k + 1), reference))
     number = what or "energy"
     return WeakCost(rows, reference, {"spec": spec.name, "run": settings.run, "number": number, "time": f"{whole:.10g}", "after": f"{whole / 2:.10g}", **facts()})
+
+
+def one_start(spec: Spec, settings: Settings) -> Settings:
+    """The same from the vectors of the start: those of a random one would differ with the seeds of the rows."""
+    if isinstance(settings.start, np.ndarray):
+        return settings
+    return dataclasses.replace(settings, start=state_at(settings.numbers, find_start(spec, settings.start), settings.seed))
 
 
 def row_of(spec: Spec, settings: Settings, whole: float, method: str, steps: int, what, seconds: float, k: int) -> WeakRow:

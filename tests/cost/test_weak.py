@@ -48,6 +48,13 @@ def heun(warm):
     return smidgen.cost(warm, methods=["heun"], mean="mz", seconds=1e-3)
 
 
+def test_all_rows_begin_at_the_same_random_start():
+    """Without damping to speak of, the energy stays what it is in the beginning."""
+    text = WARM.replace("theta = 0.5\nphi = 0", "random = 1").replace("damping = 0.5", "damping = 1e-6").replace("n = 200", "n = 2").replace("time = 40", "time = 5")
+    found = smidgen.cost(smidgen.load_text(text), methods=["heun"], seconds=1e-3)
+    assert max(abs(row.error) for row in found.rows) < 0.02
+
+
 def test_the_error_of_a_mean_is_that_of_the_step(heun):
     """One spin in a field: Heun's mean is 3.6e-3 too large at h = 0.1, by tests/laws/test_weak_order.py, so some 2.3e-2 at h = 0.625."""
     assert [row.members for row in heun.rows] == [FEWEST] * 4 and [round(row.h / 0.078125) for row in heun.rows] == [8, 4, 2, 1]
