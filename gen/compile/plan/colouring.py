@@ -8,12 +8,14 @@ sweep is then still right, for it always uses the newest values.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import islice, product
+from functools import lru_cache
+from itertools import combinations, islice, product
 from math import gcd, prod
 
 MOST_COLOURS = 8
 FEW_KINDS, KNOWN = 300, 1000    # kinds of rows: of a colouring that is taken first; at most
 LOOKED_AT = 1000        # colourings with the fewest colours, of which one of few kinds of rows is taken
+MOST_TRIED = 100_000    # shifts that are tried of each number of colours; then there is none with so many, or none but those found
 
 
 @dataclass(frozen=True)
@@ -27,39 +29,77 @@ class Colouring:
 
 
 def colouring(lattices) -> Colouring:
-    """The fewest colours that keep the members of every bond apart; one colour when none do."""
-    dimension, sites = len(lattices[0].size), lattices[0].sites
-    bonds = [list(dict.fromkeys(bond)) for over in lattices for bond in over.bonds]
+    """The fewest colours that keep the members of every bond apart; one colour when none do, or none is found by so many trials."""
+    return colouring_of_bonds(len(lattices[0].size), lattices[0].sites, tuple(bonds_of(lattices)))
+
+
+def bonds_of(lattices) -> dict:
+    return dict.fromkeys(bond for over in lattices for bond in over.bonds)
+
+
+@lru_cache(maxsize=256)
+def colouring_of_bonds(dimension: int, sites: int, bonds: tuple) -> Colouring:
+    """The same, by the number of directions, the places of a cell, and the bonds of all lattices."""
+    apart = apart_from(bonds)
     for colours in range(2, MOST_COLOURS + 1):
-        some = list(islice(colourings(colours, dimension, sites, bonds), LOOKED_AT))
+        some = list(islice(colourings(colours, dimension, sites, apart), LOOKED_AT))
         if some:
-            return next((c for most in (FEW_KINDS, KNOWN) for c in some if kinds_of_rows(c, lattices) <= most), some[0])
-    return one_colour(lattices[0])
+            return next((c for most in (FEW_KINDS, KNOWN) for c in some if kinds(c, sites, bonds) <= most), some[0])
+    return Colouring(1, (0,) * dimension, (0,) * sites)
 
 
-def colourings(colours: int, dimension: int, sites: int, bonds):
-    """Those that keep the members of every bond apart, in order: by weights, then by shifts."""
-    for weights in product(range(colours - 1, -1, -1), repeat=dimension):
-        if usable(Colouring(colours, weights, (0,))):
-            yield from (Colouring(colours, weights, shift) for shift in shifts(colours, weights, (0,), sites, bonds))
+def apart_from(bonds) -> list:
+    """Pairs of sites that a bond joins: (place, an earlier or the same one, cells from the first to the second)."""
+    pairs = [max(pair, pair[::-1]) for bond in bonds for pair in combinations(dict.fromkeys(bond), 2)]
+    return list(dict.fromkeys((a, b, tuple(y - x for x, y in zip(one, other))) for (a, one), (b, other) in pairs))
 
 
-def shifts(colours: int, weights: tuple, found: tuple, sites: int, bonds):
-    """Those that continue the ones of the first places of a cell."""
-    last = len(found) - 1
-    if not all(separates(Colouring(colours, weights, found), bond) for bond in bonds if max(sub for sub, _ in bond) == last):
+def colourings(colours: int, dimension: int, sites: int, apart):
+    """Those that keep such pairs apart, in order: by weights, then by shifts; none is tried where a cell alone needs more colours."""
+    within, trials = [[(b, 0) for a, b, cells in apart if a == k and not any(cells)] for k in range(sites)], Trials(MOST_TRIED)
+    if next(shifts(colours, within, (), trials, alike=True), None) is None:
         return
-    if len(found) == sites:
+    for weights in product(range(colours - 1, -1, -1), repeat=dimension):
+        ahead = [(a, b, sum(w * n for w, n in zip(weights, cells)) % colours) for a, b, cells in apart]
+        if usable(Colouring(colours, weights, (0,))) and all(far or a != b for a, b, far in ahead):
+            others = [[(b, far) for a, b, far in ahead if a == k and a != b] for k in range(sites)]
+            yield from (Colouring(colours, weights, shift) for shift in shifts(colours, others, (), trials))
+
+
+class Trials:
+    """How many are left."""
+
+    def __init__(self, left: int):
+        self.left = left
+
+    def more(self) -> bool:
+        self.left -= 1
+        return self.left >= 0
+
+
+def shifts(colours: int, others: list, found: tuple, trials: Trials, alike: bool = False):
+    """Those that continue the ones of the first places of a cell, of which the first is 0; others: of each place, (an earlier
+    one, by how much its colour must not differ). alike: a place takes a colour that is used or the next one, so that of those
+    that differ by the names of their colours there is one."""
+    if len(found) == len(others):
         yield found
-    for shift in range(colours) if len(found) < sites else ():
-        yield from shifts(colours, weights, (*found, shift), sites, bonds)
+        return
+    wrong = {(found[b] + far) % colours for b, far in others[len(found)]}
+    most = max(found, default=-1) + 2 if alike or not found else colours
+    for shift in range(min(most, colours)):
+        if shift not in wrong and trials.more():
+            yield from shifts(colours, others, (*found, shift), trials, alike)
 
 
 def kinds_of_rows(c: Colouring, lattices) -> int:
     """SMG_KNOWN of smg_rows.h."""
-    sites, step = lattices[0].sites, c.colours if any(c.weights) else 1
+    return kinds(c, lattices[0].sites, bonds_of(lattices))
+
+
+def kinds(c: Colouring, sites: int, bonds) -> int:
+    step = c.colours if any(c.weights) else 1
     ranks = sites if step > 1 else sites // c.colours
-    reach = [max(abs(a[1][d] - b[1][d]) for over in lattices for bond in over.bonds for a in bond for b in bond) for d in range(1, len(lattices[0].size))]
+    reach = [max(abs(a[1][d] - b[1][d]) for bond in bonds for a in bond for b in bond) for d in range(1, len(c.weights))]
     return c.colours * ranks * step * (2 * (reach or [0])[0] + step) * prod(2 * r + 1 for r in reach[1:])
 
 
@@ -72,8 +112,3 @@ def usable(candidate: Colouring) -> bool:
     """Rows along the fastest direction hold one colour, or each colour at equal strides."""
     first = candidate.weights[0]
     return gcd(first, candidate.colours) == 1 or not any(candidate.weights)
-
-
-def separates(candidate: Colouring, members) -> bool:
-    """Have they different colours?"""
-    return len({candidate.of(sub, offset) for sub, offset in members}) == len(members)
