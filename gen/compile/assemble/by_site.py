@@ -8,6 +8,7 @@ import sympy as sp
 from ...language.expr import Time, walk
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import is_real, power, switched
+from ..derive.written import over
 from ..lower.code import mentions
 from ..lower.lowering import index_names
 from .bond_values import bond_partings, two_ended
@@ -108,7 +109,7 @@ def of_zeros(low, t, lacking) -> str | None:
 
 def may_be_infinite(e, zero: dict) -> bool:
     """May it be, or have no real value, where these symbols are 0? A part of it with another symbol may, and sums and products do not."""
-    parts = [x for x in e.atoms(sp.Pow, power, *BOUNDED_DOMAIN) if x.free_symbols & set(zero) and not (isinstance(x, sp.Pow) and x.exp.is_Integer and x.exp > 0)]
+    parts = [x for x in (1 / y.args[1] if isinstance(y, over) else y for y in e.atoms(sp.Pow, power, over, *BOUNDED_DOMAIN)) if x.free_symbols & set(zero) and not (isinstance(x, sp.Pow) and x.exp.is_Integer and x.exp > 0)]
     values = [sp.N(x.replace(power, sp.Pow).xreplace(zero)) for x in parts]
     return not all(x.is_number and is_real(x) for x in values)
 
