@@ -29,7 +29,7 @@ from .row_bounds import bounds_of_terms
 from .response import response_kernel
 from .site_factors import factors, multiplied, radius_settings, radius_values, rate_function, rated
 from .site_laws import differing, law_functions, law_settings, law_values
-from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites, zero_if_absent
+from .site_values import count, differs, names, sited, taken as taken_values, value_function, with_sites, zero_if_absent, zeros
 from .same_bonds import energy_kernels
 from .slots import Slots
 
@@ -229,7 +229,7 @@ def row_functions(model) -> list:
     apart = [f for one in found.sited.values() for f in one.functions]
     kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
-    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found), zeros(model)), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
+    return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found), zeros(found, number_of_values(found)) if lacking(model.whole) else ()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
             looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
@@ -283,13 +283,6 @@ def width(found: Rows) -> int:
 def number_of_values(found: Rows) -> int:
     """All that differ from site to site."""
     return width(found) + len(factors(found)) + len(found.differing) + found.radii
-
-
-def zeros(model) -> tuple:
-    """Numbers of absent sites are 0, but for 1/r^2."""
-    found = model.in_rows
-    some = (compare(Index("n"), "<", whole(number_of_values(found) - 1)),) if found.radii else ()
-    return zero_if_absent(Index("site"), *some) if lacking(model.whole) and found.sited else ()
 
 
 def row_settings(model) -> dict:

@@ -179,6 +179,12 @@ def zero_if_absent(site: Int, *tests) -> tuple:
     return (If((*tests, Not(is_there(site))), (Return(ZERO),)),)
 
 
+def zeros(found, numbers: int) -> tuple:
+    """Numbers of absent sites are 0, but for the last one where that is 1/r^2."""
+    last = (compare(Index("n"), "<", total(numbers - 1)),) if found.radii else ()
+    return zero_if_absent(Index("site"), *last) if found.sited else ()
+
+
 def with_sites(bound, apart):
     """A bound of what all sites have alike, and those of site k: calls."""
     apart = list(apart)
