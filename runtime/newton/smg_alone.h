@@ -46,14 +46,13 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   smg_gather(c, smg_at(k), s->m, s->w + 3 * k, g);
   s->report.iterations = 0;
   s->report.residual = 0;
-  if (smg_kind(c, k) == SMG_R3 && !(smg_leaf_value(s, k) > 0)) return SMG_OK;
   if (!smg_own_midpoint(s, h, k, g, m, &square)) {
     s->report.reached = smg_end_of_steps(s, h, k, g);
     return smg_end_report(s, SMG_NO_SOLUTION, k);
   }
   smg_increment(c, k, h, m, g, u);
   if (square >= 1) smg_reflect(s->w + 3 * k, m, u);
-  if (square >= 0.25)
+  if (square >= 0.25 && smg_leaf_value(s, k) > 0)
     smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, m, g, room), u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
   return smg_end_report(s, SMG_NOT_FINITE, k);

@@ -28,6 +28,16 @@ from test_rows_radii import SPECS as RADII
 from test_rows_torques import spec_of as pushed
 from test_sublattice_rows import SPECS as TURNS
 
+FREE = """[model]
+name = "apart"
+[space]
+w = { r3 = 2 }
+[effects.field]
+over = "site(i) of w"
+energy = "-w[i].z"
+[starts.a]
+vectors = [[1, 0, 0.5], [0, 1, 0.5]]
+"""
 # name -> (spec, method, h): one a layout
 LAYOUTS = {
     "single sphere": ("forced_rigid_body", "spherical-midpoint", 0.3), "single sphere composed": ("forced_rigid_body", "spherical-midpoint-6", 0.3),
@@ -329,3 +339,11 @@ def test_members_of_an_ensemble(tmp_path, method):
     subprocess.run(["gcc", *flags, *include_flags(), "-I.", "main.c", "irreversible_rigid_body.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
     said = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True)
     assert said.returncode == 0, (said.returncode, said.stderr)
+
+
+@pytest.mark.parametrize("method, h", [("spherical-midpoint", 0.1), ("spherical-midpoint", 50), ("spherical-midpoint-4", 0.1), ("classical-midpoint", 0.1)])
+def test_a_site_of_r3_that_is_set_to_0_stays_there(method, h):
+    """Whatever its increments were before."""
+    one = smidgen.build(smidgen.load_text(FREE), method=method).start("a", h=h).steps(20)
+    one.w[0] = 0
+    assert not one.steps(1).w[0].any() and not one.steps(20).w[0].any() and one.w[1].any()
