@@ -329,6 +329,25 @@ def test_remainders_of_whole_numbers_are_exact(real):
     assert np.array_equal(field, i % 3 + 10 * (i % 49) + 1000 * (2 * i % 7) + 10000 * (i // 11))
 
 
+@pytest.mark.parametrize("real", ["double", "long double"])
+def test_jumps_are_where_they_are_in_double_precision(real):
+    """0.7*10 is 7 in double precision, and less in extended precision."""
+    spec = smidgen.load_text('[model]\nname = "sides"\n[space]\nw = { sphere = 200 }\n[effects.e]\nover = "site(i) of w"\n'
+                             'energy = "(floor(0.7*i) + 1000*if(0.7*i - 7 < 0, 1, 0) + 2000*abs(0.7*i - 7))*w[i].z"\n')
+    w = np.tile([0.0, 0.0, 1.0], (200, 1))
+    field = smidgen.build(spec, real=real).start(w, h=0.1).field()[:, 2]
+    i = np.arange(200)
+    np.testing.assert_allclose(np.asarray(field, float), np.floor(0.7 * i) + 1000 * (0.7 * i - 7 < 0) + 2000 * np.abs(0.7 * i - 7), atol=1e-9)
+
+
+def test_thirds_have_all_digits_of_a_long_double():
+    spec = smidgen.load_text('[model]\nname = "thirds"\n[space]\nw = { sphere = 1 }\n[effects.e]\nenergy = "w.x/3 + w.z/7"\n')
+    model = smidgen.build(spec, real="long double").start(np.array([[0.6, 0, 0.8]]), h=0.1)
+    x, _, z = model.w[0]
+    assert abs(model.energy() - (x / 3 + z / 7)) <= np.finfo(np.longdouble).eps
+    assert np.array_equal(model.field()[0], [np.longdouble(1) / 3, 0, np.longdouble(1) / 7])
+
+
 @pytest.mark.quick
 def test_what_branches_give_is_a_real_number():
     """A comparison with an `if` in it is rewritten by sympy, which refuses what may be complex."""

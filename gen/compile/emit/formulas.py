@@ -68,7 +68,7 @@ class Formulas:
 
     def constant(self, e):
         if e.is_Rational and not e.is_Integer:
-            text = f"{e.p}.0/{e.q}.0"
+            text = f"{e.p}.0/{e.q}.0" if e.q & (e.q - 1) == 0 else f"(smg_real){e.p}.0/{e.q}.0"      # of long doubles, thirds have more digits
             return text, PRODUCT if e > 0 else SUM
         text = number(float(e))
         return text, ATOM if float(e) >= 0 else SUM
@@ -124,12 +124,14 @@ class Formulas:
             return "(" + mark.join(self.test(a) for a in sorted(e.args, key=default_sort_key)) + ")"
         if isinstance(e, sp.Not):
             return f"!({self.test(e.args[0])})"
-        return f"({self(e.lhs)} {RELATIONS[type(e)]} {self(e.rhs)})"
+        return f"({self.doubled(e.lhs, SUM)} {RELATIONS[type(e)]} {self.doubled(e.rhs, SUM)})"
 
     def call(self, e):
         if isinstance(e, (derive.signum, sp.sign)):
             x = self.inside(e.args[0], ATOM)
             return f"(smg_real)(({x} > 0) - ({x} < 0))", ATOM
+        if isinstance(e, derive.floor_):
+            return f"SMG_MATH(floor)({self.doubled(e.args[0], SUM)})", ATOM
         if isinstance(e, sp.Abs):
             return f"SMG_MATH(fabs)({self(e.args[0])})", ATOM
         if type(e) in _RUNTIME:
@@ -140,8 +142,14 @@ class Formulas:
     def operation(self, e):
         """As it is written: the sides in their order, the right one in brackets where it is no factor."""
         if isinstance(e, written.negative):
-            return "-" + self.inside(e.args[0], PRODUCT), SUM
+            return "-" + self.doubled(e.args[0], PRODUCT), SUM
         sign, strength = WRITTEN[type(e)]
         blank = " " if strength == SUM else ""
-        left, right = (self.inside(a, strength + k) for k, a in enumerate(e.args))
+        left, right = (self.doubled(a, strength + k) for k, a in enumerate(e.args))
         return f"{left}{blank}{sign}{blank}{right}", strength
+
+    def doubled(self, e, strength: int) -> str:
+        """What a jump looks at, in double precision whatever smg_real is: every build is on the same side."""
+        if e.is_Number or e.is_Add or e.is_Mul or isinstance(e, written.Operation):      # sums and products outside of operations are of sizes
+            return self.inside(e, strength)
+        return "(double)" + self.inside(e, ATOM)

@@ -49,6 +49,9 @@ class LaneFormulas(Formulas):
             return f"{whole}*{self.lane_call('sqrt', base)[0]}", PRODUCT
         return self.lane_call("pow", base, exponent)
 
+    def doubled(self, e, strength: int) -> str:
+        return self.inside(e, strength) if self.in_lanes(e) else super().doubled(e, strength)
+
     def call(self, e):
         if not self.in_lanes(e):
             return super().call(e)
