@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import smidgen
+from smidgen.check.witness.splittings import first_rule
 from smidgen.compile.plan import colouring as module
 from smidgen.compile.plan.colouring import FEW_KINDS, KNOWN, LOOKED_AT, MOST_COLOURS, MOST_TRIED, Colouring, Trials
 from smidgen.compile.plan.colouring import colouring, kinds_of_rows
@@ -119,3 +120,22 @@ def test_a_colouring_is_found_once(counted):
     before = len(counted)
     colouring([one])
     assert len(counted) == before > 0
+
+
+# The witness, which finds them for itself
+
+@pytest.mark.parametrize("over", NAMED)
+def test_the_witness_has_the_same_colours(over):
+    same_rule(named(over))
+
+
+def test_the_witness_has_the_same_colours_of_invented_lattices():
+    """Also of cells that need six colours and more, or too many."""
+    dice = np.random.default_rng(2)
+    for lattice in (*(invented(dice) for _ in range(60)), *(all_bound(places, 1) for places in range(5, 11)), all_bound(4, 3)):
+        same_rule(lattice)
+
+
+def same_rule(lattice):
+    found, rule = colouring([lattice]), first_rule([lattice])
+    assert (rule and (rule.number, rule.weights, rule.shift)) == (None if found.colours == 1 else (found.colours, found.weights, found.shift))

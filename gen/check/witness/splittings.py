@@ -7,6 +7,7 @@ import ctypes
 import functools
 import itertools
 import math
+import operator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,23 +93,52 @@ def behind(witness, over) -> list:
 
 
 def first_rule(overs) -> Rule | None:
-    """Of two to five colours the first rule by which the ends of all bonds differ: fewest colours, largest weights, least shifts. The fastest
-    direction takes all colours in turn, or none counts."""
+    """Of two to eight colours the first rule by which the ends of all bonds differ: fewest colours, largest weights, least shifts. The fastest
+    direction takes all colours in turn, or none counts. One of the first thousand goes before it that has 300 kinds of rows at most, or 1000."""
     directions, places = len(overs[0].size), overs[0].sites
-    for number in range(2, 6):
-        for weights in itertools.product(reversed(range(number)), repeat=directions):
-            if math.gcd(weights[0], number) > 1 and any(weights):
-                continue
-            for shift in itertools.product(range(number), repeat=places - 1):
-                rule = Rule(number, weights, (0, *shift))
-                if all(apart_by(rule, dict.fromkeys(bond)) for over in overs for bond in over.bonds):
+    bonds = [tuple(dict.fromkeys(bond)) for over in overs for bond in over.bonds]
+    for number in range(2, 9):
+        found = list(itertools.islice(rules(number, directions, places, bonds), 1000))
+        for most in (300, 1000, math.inf) if found else ():
+            for rule in found:
+                if kinds_of_rows(rule, bonds) <= most:
                     return rule
     return None
 
 
+def rules(number: int, directions: int, places: int, bonds):
+    """In order; none where those bonds that stand in one cell need more colours, whatever these are called."""
+    inside = [bond for bond in bonds if len({cell for _, cell in bond}) == 1]
+    if next(continued(Rule(number, (0,) * directions, (0,)), places, inside, True), None) is None:
+        return
+    for weights in itertools.product(reversed(range(number)), repeat=directions):
+        if math.gcd(weights[0], number) == 1 or not any(weights):
+            yield from continued(Rule(number, weights, (0,)), places, bonds, False)
+
+
+def continued(rule: Rule, places: int, bonds, renamed: bool):
+    """With shifts of all places, by which bonds between places that have one are kept apart; renamed: a new place takes at most one new colour."""
+    have = len(rule.shift)
+    if not all(apart_by(rule, bond) for bond in bonds if max(place for place, _ in bond) == have - 1):
+        return
+    if have == places:
+        yield rule
+        return
+    for shift in range(min(rule.number, max(rule.shift) + 2) if renamed else rule.number):
+        yield from continued(replace(rule, shift=(*rule.shift, shift)), places, bonds, renamed)
+
+
 def apart_by(rule: Rule, members) -> bool:
-    found = [int(rule.of(place, np.array(cell))) for place, cell in members]
-    return len(set(found)) == len(found)
+    found = {(sum(map(operator.mul, rule.weights, cell)) + rule.shift[place]) % rule.number for place, cell in members}
+    return len(found) == len(members)
+
+
+def kinds_of_rows(rule: Rule, bonds) -> int:
+    """By the colour and place of a row, how it begins, and how near it is to the ends of the other directions."""
+    spans = [max(abs(a[d] - b[d]) for bond in bonds for _, a in bond for _, b in bond) for d in range(1, len(rule.weights))]
+    stride, places = (rule.number, len(rule.shift)) if any(rule.weights) else (1, len(rule.shift) // rule.number)
+    second, others = (spans[0], spans[1:]) if spans else (0, [])
+    return rule.number * places * stride * (2 * second + stride) * math.prod(2 * span + 1 for span in others)
 
 
 def continues(witness, over, rule: Rule, colour) -> bool:
