@@ -39,6 +39,16 @@ def integer(expr: Expr, env: dict, what: str = "a size") -> int:
     return int(value)
 
 
+def whole(expr: Expr, env: dict) -> np.ndarray:
+    """The value of a formula of integers with + - *, such as a seed, modulo 2^64, as C has it; in doubles it would lose digits beyond 2^53."""
+    if isinstance(expr, Num):
+        return np.array(expr.value, np.int64)
+    if isinstance(expr, Op):
+        with np.errstate(over="ignore"):
+            return _OPERATORS[expr.op](*(whole(a, env) for a in expr.args))
+    return np.asarray(_lookup(env, expr.name)).astype(np.int64)
+
+
 def _value(e, env):
     return _NODES[type(e)](e, env)
 
@@ -136,7 +146,11 @@ _NODES = {
     Time: lambda e, env: _number(_lookup(env, "t")), Op: _operation,
 }
 
-_LAZY = {"if": _if, "and": _and, "or": _or}
+def _drawn(number):
+    return lambda args, env: number(*(whole(a, env) for a in args))
+
+
+_LAZY = {"if": _if, "and": _and, "or": _or, "uniform": _drawn(draws.uniform), "normal": _drawn(draws.normal)}
 
 _OPERATORS = {
     "+": functools.partial(_each, operator.add), "-": functools.partial(_each, operator.sub),
@@ -151,5 +165,5 @@ _OPERATORS = {
     "atan2": np.arctan2, "mod": _modulo, "min": np.minimum, "max": np.maximum,
     "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
     "==": operator.eq, "!=": operator.ne, "not": np.logical_not,
-    "uniform": draws.uniform, "normal": draws.normal, "kept": lambda a: a,
+    "kept": lambda a: a,
 }

@@ -10,6 +10,8 @@ import smidgen
 from smidgen.check.witness import Witness, disorder
 from smidgen.compile.emit.emit import generate
 from smidgen.language import draws
+from smidgen.language.evaluate import evaluate
+from smidgen.language.expr import Idx, Num, Op, Par
 from smidgen.resources import include_flags
 from smidgen.run.step.start import initial_state
 
@@ -125,6 +127,19 @@ def test_other_parameters_give_other_numbers():
     one.steps(3).set_parameters({"K": 0.9})
     assert np.array_equal(other.start(one.w.copy(), h=0.1, t0=one.t).steps(3).w, one.steps(3).w)
     assert np.abs(smidgen.build(spec, parameters={"seed": 8}).start("r", h=0.1).steps(3).w - smidgen.build(spec).start("r", h=0.1).steps(3).w).max() > 0.01
+
+
+@quick
+def test_large_seeds_keep_all_digits():
+    spec = glass(bond="uniform(1000000007*seed + 5, i, j)", field="normal(-1000000007*seed + i, 3*i - 1)")
+    values, i = {"seed": 20251126}, np.arange(12)
+    model, witness = smidgen.build(spec, parameters=values).start("f", h=0.1), Witness(spec, values)
+    seed = 1000000007 * 20251126
+    bonds = -np.sum(draws.uniform(seed + 5, i, (i + 1) % 12) * np.sum(model.w * np.roll(model.w, -1, axis=0), axis=1))
+    assert model.values()[model.columns.index("energy.bonds")] == pytest.approx(bonds, abs=1e-13)
+    assert np.abs(model.field() - witness.field(model.w)).max() < 1e-14
+    drawn = Op("uniform", (Op("+", (Op("*", (Num(1000000007), Par("seed"))), Num(5))), Idx("i")))
+    assert np.array_equal(evaluate(drawn, {**values, "i": i}), draws.uniform(seed + 5, i))
 
 
 PLACES = {"square": ("square(n, 6, periodic)", "6*n", 8), "open": ("cubic(n, 3, 5, open)", "15*n", 6)}

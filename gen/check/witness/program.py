@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import UsageError
-from ...language.evaluate import evaluate
+from ...language.evaluate import whole
 from ...language.expr import Elem, Idx, Num, Op, Par, Spin, Time, Weight, is_draw, walk
 from ...language.spec import Term, families_of
 from ...language.instances import instances_of
@@ -167,7 +167,7 @@ class Code:
 
     def drawn(self, kind, *args):
         """A random number: a column of its own, one for every instance."""
-        found = [np.broadcast_to(evaluate(a, {**self.env, **self.columns}), self.count).astype(int).tolist() for a in args]
+        found = [np.broadcast_to(whole(a, {**self.env, **self.columns}), self.count).tolist() for a in args]
         return self.columns.setdefault((kind, *args), [disorder.number(kind, *one) for one in zip(*found)])
 
     def operation(self, e):
