@@ -224,6 +224,7 @@ def test_a_run_gives_the_averages_that_its_spec_asks_for(tmp_path):
             assert smidgen.load_result(out).step.tolist() == [0, 3000]
             assert smidgen.load_result(out).meta["means"] == result.meta["means"]
         assert {name: vars(one) for name, one in found.of.items()} == result.meta["means"]
+    assert smidgen.run(spec, seed=3, steps=2999).step.tolist() == [0, 2998]
     assert list(found.of) == ["mz", "energy.field"] and found.meta["after"] == 10 and found.meta["bins"] == 16
     assert smidgen.repeat(tmp_path / "a.h5").meta["means"] == result.meta["means"]
     long = smidgen.run(spec, seed=3, steps=20_000, out=tmp_path / "long.h5")

@@ -25,7 +25,7 @@ class Recorder:
 
     def __init__(self, model, layout, sinks, span: float, means=None, settings=None):
         self.means, self.every = means, 1 if settings is None else settings.every
-        self.ends = None if settings is None or settings.what else (0, settings.steps)
+        self.ends = None if settings is None or settings.what else (0, settings.steps // settings.every * settings.every)
         self.model, self.sinks, self.count, self.begun = model, sinks, 0, False
         self.computed = functions_of(model, layout)
         asked = asked_of(model, layout, () if means is None else means.names)
