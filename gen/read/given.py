@@ -71,17 +71,18 @@ def told(text: str, what: str, reader, measured: bool = True):
 
 def scaled(spec: Spec, parameters: dict) -> dict:
     """Values by name, those in texts, `"1.5 meV"`, in the units of the spec; whatever else is wrong with them is found elsewhere."""
-    units, known = spec.units, {p.name for p in spec.parameters} if spec.units else ()
-    return {name: number_of(units, name, value, units.of("name", name)) if name in known else value for name, value in parameters.items()}
+    units, known = spec.units, {p.name: p.unit for p in spec.parameters} if spec.units else {}
+    return {name: number_of(units, name, value, units.of("name", name), known[name]) if name in known else value for name, value in parameters.items()}
 
 
-def number_of(units: Units, name: str, value, dimension):
+def number_of(units: Units, name: str, value, dimension, unit: str):
     if isinstance(value, (list, tuple)):
-        return [number_of(units, name, entry, dimension) for entry in value]
+        return [number_of(units, name, entry, dimension, unit) for entry in value]
     if isinstance(value, str):
         return told(value, name, lambda text, problems: quantity(text, problems, units, dimension))
-    if isinstance(value, (Bare, BareInteger)) and value and dimension != NONE:
-        raise UsageError(f"`{name}` is {said(dimension)}, but {value} has no unit: write {name}=\"{value} {units.spelt(dimension)}\"")
+    if isinstance(value, (Bare, BareInteger)) and value and unit:
+        what = said(dimension) if dimension != NONE else f"in {unit}"
+        raise UsageError(f"`{name}` is {what}, but {value} has no unit: write {name}=\"{value} {unit}\"")
     return value
 
 

@@ -72,7 +72,7 @@ class ParameterReader:
         if units is None:
             return p
         self.declared.dimensions[p.name] = dimension
-        return replace(p, unit="" if dimension == NONE else units.spelt(dimension))
+        return replace(p, unit=self.measure.of_angles if dimension == NONE else units.spelt(dimension))
 
     def table(self, name: str, node: Node) -> Parameter:
         if node.has("file"):

@@ -71,6 +71,8 @@ class Measure:
     unit: the key of that name, None where there is none; dimension: None as long as it is not known.
     """
 
+    bare = ""       # why a number of no dimension needs a unit
+
     def __init__(self, units: Units | None, unit: Node | None = None):
         self.units = units
         self.unit = unit_of(unit.text(), unit.problems) if units and unit is not None else None
@@ -98,6 +100,8 @@ class Measure:
         if isinstance(node.raw, str):
             return self.scaled(node, quantity_of(node.text(), node.problems))
         value = node.number()
+        if self.bare and self.dimension == NONE and value:
+            node.wrong(codes.MEASURE, self.bare, "write a unit after the number, such as `30 deg`")
         if self.unit is not None:
             return self.scaled(node, Unit(exact(value), NONE) * self.unit)
         if value != 0:
@@ -113,6 +117,11 @@ class Measure:
             hint = "write it without a unit, or the others with one" if self.dimension == NONE else f"give {said(self.dimension)}, with its unit"
             node.wrong(codes.DIMENSION, f"`{node.label}` is {said(dimension)} where {said(self.dimension)} is needed", hint)
         self.dimension = dimension
+
+    @property
+    def of_angles(self) -> str:
+        """`rad` where bare numbers count in another unit without a dimension, such as degrees."""
+        return "rad" if self.unit is not None and self.unit.dimension == NONE and self.unit.factor != 1 else ""
 
     @property
     def found(self) -> tuple:

@@ -48,6 +48,8 @@ class ValueReader:
         if self.declared.units is None:
             return Node.number
         measure = Measure(self.declared.units)
+        if p.unit:
+            measure.bare = f"`{p.name}` is in {p.unit}, but this number has no unit"
         measure.dimension = self.declared.dimensions.get(p.name, NONE)
         return measure.number
 

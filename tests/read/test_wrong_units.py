@@ -1,13 +1,16 @@
 """Units and dimensions that do not fit: each is refused where it stands, with its cause and what to write instead."""
 import json
+import math
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from smidgen.errors import SpecError
+from smidgen.errors import SpecError, UsageError
 from smidgen.language.codes import CONFLICT, DIMENSION, LIMIT, MEASURE, MISSING, NUMBER, SYNTAX, TYPE, UNIT
 from smidgen.read import load_text
+from smidgen.read.given import Bare
+from smidgen.run.step.evaluated import parameter_values
 from smidgen.run.step.start import initial_state
 
 pytestmark = pytest.mark.quick
@@ -157,6 +160,19 @@ def test_the_film_is_right():
 def test_angles_have_the_unit_of_their_start(angles):
     spec = load_text(spec_with('theta = "30 deg"\nphi = 0', f'unit = "deg"\n{angles}'))
     assert initial_state(spec, "up")[0] == pytest.approx([0.5, 0, 0.75 ** 0.5], abs=1e-15)
+
+
+def test_a_number_for_an_angle_in_degrees_has_a_unit():
+    """30 is 30 deg where it is declared: nowhere else does a bare number mean radians."""
+    text = spec_with("n = 4\n", 'n = 4\nangle = { default = 30, unit = "deg" }\nturns = { default = 0.5, unit = "rad" }\n').replace("-K*w[i].z^2", "-K*w[i].z^2*cos(angle + turns)")
+    spec = load_text(text)
+    assert {p.name: (p.default, p.unit) for p in spec.parameters}["angle"] == (pytest.approx(math.pi / 6, abs=1e-15), "rad")
+    assert parameter_values(spec, {"angle": "60 deg", "turns": Bare(2)})["angle"] == pytest.approx(math.pi / 3, abs=1e-15)
+    with pytest.raises(UsageError, match="`angle` is in rad, but 60.0 has no unit"):
+        parameter_values(spec, {"angle": Bare(60)})
+    assert dict(load_text(text.replace('J = "6 meV"', 'angle = "60 deg", turns = 2')).runs[0].parameters)["angle"] == pytest.approx(math.pi / 3, abs=1e-15)
+    with pytest.raises(SpecError, match="`angle` is in rad, but this number has no unit"):
+        load_text(text.replace('J = "6 meV"', "angle = 60"))
 
 
 def test_components_have_the_unit_of_their_start():
