@@ -61,6 +61,8 @@ def converted(p: Parameter, value):
     """`value` as the kind of `p`; UsageError when it does not fit."""
     if p.kind == "array":
         entries = value if hasattr(value, "__len__") else (value,)
+        if p.vector and len(entries) == 1 and not hasattr(entries[0], "__len__"):
+            raise UsageError(p.too_few)
         return tuple(float(finite(p, v)) for entry in entries for v in (entry if hasattr(entry, "__len__") and not isinstance(entry, str) else (entry,)))
     if hasattr(value, "__len__"):
         raise UsageError(f"`{p.name}` is one number, not a list")

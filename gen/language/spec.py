@@ -11,7 +11,7 @@ from itertools import chain
 from typing import Optional, Union
 
 from ..public import few
-from .expr import Expr, Spin, walk
+from .expr import Expr, Num, Spin, walk
 from .units import Units
 
 
@@ -20,7 +20,7 @@ class Parameter:
     """A named number. kind: 'real', 'int' or 'array' (of reals; `size` [int] entries).
 
     fixed: its value is compiled in; otherwise it is a member of the params struct.
-    fill: every entry of the array has the one value that the spec gives.
+    fill: every entry of the array has the one value that the spec gives. vector: formulas use its entries by threes.
     """
     name: str
     kind: str
@@ -30,6 +30,12 @@ class Parameter:
     meaning: str = ""
     fixed: bool = False
     fill: bool = False
+    vector: bool = False
+
+    @property
+    def too_few(self) -> str:
+        """Why a single number is no value of a vector."""
+        return f"'{self.name}' is a vector: it needs three numbers, not one" if self.size == Num(3) else f"'{self.name}' is an array of vectors: it needs three numbers for each, not one"
 
 
 @dataclass(frozen=True)

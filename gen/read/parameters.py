@@ -98,7 +98,7 @@ class ParameterReader:
         if width == 1:
             return Parameter(name, "array", tuple(float(x) for (x,) in rows), size)
         self.declared.lists.add(name)
-        return Parameter(name, "array", tuple(float(x) for row in rows for x in row), Op("*", (Num(3), size)))
+        return Parameter(name, "array", tuple(float(x) for row in rows for x in row), Op("*", (Num(3), size)), vector=True)
 
     def vectors(self, name: str, node: Node, default: Node) -> Parameter:
         """A list of vectors, with their number."""
@@ -116,7 +116,7 @@ class ParameterReader:
             return self.vectors(name, node, default)
         size, values = self.problems.together(lambda: self.length(name, node, default),
                                               lambda: self.entries(name, default))
-        return Parameter(name, "array", values, size, fill=not isinstance(default.raw, list))
+        return Parameter(name, "array", values, size, fill=not isinstance(default.raw, list), vector=name in self.declared.vectors)
 
     def length(self, name: str, node: Node, default: Node):
         if node.has("vector") and node.get("vector").flag():

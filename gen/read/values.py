@@ -35,6 +35,8 @@ class ValueReader:
         number = self.numbers(p)
         if p.kind == "array":
             if node.is_number() or self.declared.units and isinstance(node.raw, str):
+                if p.vector:
+                    node.wrong(codes.COUNT, p.too_few.replace("'", "`"), "such as `[0, 0, 1]`")
                 return (float(number(node)),)
             return tuple(float(number(e)) for e in node.entries("list of numbers"))
         value = number(node)

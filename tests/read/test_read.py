@@ -250,6 +250,20 @@ def test_starts():
                                         math.cos(3)))
 
 
+def test_a_single_number_is_no_vector():
+    """Neither (2, 2, 2) nor three of them."""
+    text = spec_of("[parameters]\nn = 2\nB = { default = [0, 0, 1], vector = true }\nA = { default = [[0, 0, 1], [1, 0, 0]], size = 2, vector = true }\nK = { default = [1, 2, 3], size = 3 }\n"
+                   "[effects.e]\nover = 'site(i) of w'\nenergy = 'dot(B + A[i], w[i])*K[i]'\n[starts.a]\nrandom = 3\n")
+    spec = load_text(text)
+    for given, said in (({"B": 2}, "'B' is a vector"), ({"B": [2.0]}, "'B' is a vector"), ({"A": 1.0}, "'A' is an array of vectors")):
+        for refused in (lambda: parameter_values(spec, given), lambda: select(spec, None, given)):
+            with pytest.raises(UsageError, match=said):
+                refused()
+    assert parameter_values(spec, {"K": 2, "B": [1, 2, 3]})["K"].tolist() == [2, 2, 2]
+    with pytest.raises(SpecError, match="`B` is a vector"):
+        load_text(text + "[runs.r]\nstart = 'a'\nh = 0.1\nsteps = 1\nset = { B = 2 }\n")
+
+
 def test_the_index_of_a_single_vector_is_no_other_index():
     spec = load_text(spec_of("[space]\ns = { sphere = 1 }\nw = { sphere = 3 }\n[parameters]\ns_site2 = 0.5\n"
                              "[effects.e]\nover = 'site(s_site) of w'\nenergy = 's_site2*dot(s, w[s_site])'\n"))

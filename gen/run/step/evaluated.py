@@ -168,6 +168,8 @@ def _array(p: Parameter, value, is_default, env):
     size = integer(p.size, env, f"the size of '{p.name}'") if p.size is not None else array.size
     if size > limits.ARRAY:
         raise UsageError(f"'{p.name}' would have {size} entries; at most {limits.ARRAY} are allowed")
+    if p.vector and array.size == 1:
+        raise UsageError(p.too_few)
     if (is_default and p.fill and array.size) or (not is_default and array.size == 1):
         array = np.full(size, array.flat[0])
     if array.shape != (size,):
