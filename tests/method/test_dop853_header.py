@@ -17,7 +17,7 @@ import pytest
 from smidgen.resources import include_flags
 
 ROOT = Path(__file__).parents[2]
-TABLE = ROOT / "runtime" / "method" / "tables" / "smg_dop853_table.h"
+TABLES = [ROOT / "runtime" / "method" / "tables" / f"smg_dop853_{name}.h" for name in ("table", "estimates")]
 SOURCE = ROOT / "tests" / "runtime" / "dop853.c"
 PATHS = include_flags()
 WARNINGS = "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wvla -Werror".split()
@@ -83,7 +83,7 @@ def run(program, what, h, steps, **more):
 
 def table(name):
     """A table of the header, both parts of its numbers added, as rows."""
-    text = re.search(rf"smg_dop853_{name}\[.*?= \{{(.*?)\}};", TABLE.read_text(), re.S).group(1)
+    text = re.search(rf"smg_dop853_{name}\[.*?= \{{(.*?)\}};", "".join(table.read_text() for table in TABLES), re.S).group(1)
     number = r"SMG_PAIR\(([^,]+), ([^)]+)\)|(-?[\d.]+)"
     rows = re.findall(r"\{(.*?)\}", text, re.S) or [text]
     found = [[mp.mpf(float(high or alone)) + mp.mpf(float(low or 0)) for high, low, alone in re.findall(number, row)] for row in rows]

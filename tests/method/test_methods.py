@@ -1,8 +1,12 @@
 """Every method of the registry alike: on spheres of any radius beside R^3, strengths of both signs, the other orientation, a drive."""
+import subprocess
+
 import numpy as np
 import pytest
 import smidgen
+from smidgen.compile.emit.emit import generate
 from smidgen.methods import METHODS
+from support.strict import COMMANDS, WARNINGS
 
 MIX = smidgen.load_text("""
 [model]
@@ -74,3 +78,13 @@ def test_a_refused_step_names_only_what_helps(method):
         model.step()
     assert METHODS[method].midpoint or "advise" not in str(refused.value)
     assert np.array_equal(model.w, before)
+
+
+@pytest.mark.parametrize("compiler", COMMANDS)
+@pytest.mark.parametrize("method", [name if name in ("dormand-prince-8", "dop853") else pytest.param(name, marks=pytest.mark.long) for name in METHODS])
+def test_a_single_file_has_no_table_that_it_does_not_use(tmp_path, method, compiler):
+    """Compilers warn of those in a file of their own, not of those in headers."""
+    name = "heisenberg_chain" if method in ANY else "free_rigid_body"
+    for file, text in generate(smidgen.load(name), method=method, amalgamate=True).items():
+        (tmp_path / file).write_text(text)
+    subprocess.run([*compiler, *WARNINGS, "-fsyntax-only", f"{name}.c"], cwd=tmp_path, check=True)

@@ -6,7 +6,7 @@
  * NUMBERS, where it is more than 3*SITES, fills a vector with zeros. */
 #include "rate.h"
 
-#include "smg_dop853_table.h"
+#include "smg_dop853_estimates.h"
 #include <math.h>
 
 #define ALWAYS static inline __attribute__((always_inline))

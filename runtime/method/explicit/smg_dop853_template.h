@@ -3,6 +3,7 @@
  *
  * Who includes it gives, before, what smg_dop853_stages_template.h asks for. */
 #include "smg_dop853_control.h"
+#include "smg_dop853_estimates.h"
 #include "smg_dop853_stages_template.h"
 
 /* An output step under way. Sizes are parts of h. */

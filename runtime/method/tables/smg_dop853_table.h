@@ -1,6 +1,6 @@
-/* smidgen runtime: coefficients of the method of Dormand and Prince of order 8, c, a, b, and of its estimates.
+/* smidgen runtime: coefficients of the method of Dormand and Prince of order 8, c, a and b.
  *
- * Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5 (method) and II.10 (estimates); the
+ * Hairer, Norsett and Wanner, "Solving Ordinary Differential Equations I", II.5; the
  * coefficients are the published ones, of 30 digits. They meet the order conditions to 3e-29: that is what a quadruple
  * build can have. */
 #ifndef SMG_DOP853_TABLE_H
@@ -67,21 +67,6 @@ static const smg_real smg_dop853_b[12] = {
     SMG_PAIR(0.3111643669578199, -1.0104455449341739e-17), SMG_PAIR(-0.1521609496625161, 8.776696451848075e-18),
     SMG_PAIR(0.20136540080403034, 6.12257216002761e-18), SMG_PAIR(0.04471061572777259, 3.1043973515105385e-18)};
 
-/* b_i less those of order 5 */
-static const smg_real smg_dop853_e5[12] = {
-    SMG_PAIR(0.01312004499419488, 6.877543760801164e-19), 0, 0, 0, 0,
-     SMG_PAIR(-1.2251564463762044, -8.518996614610585e-17),
-    SMG_PAIR(-0.4957589496572502, 1.150330848872384e-17), SMG_PAIR(1.6643771824549864, 8.89823354515909e-17),
-    SMG_PAIR(-0.35032884874997366, -1.693296289744891e-17), SMG_PAIR(0.3341791187130175, 3.4127098833665863e-18),
-    SMG_PAIR(0.08192320648511571, 2.5584664710400534e-18), SMG_PAIR(-0.022355307863886294, -1.5521986757531191e-18)};
-
-/* b_i less those of order 3 */
-static const smg_real smg_dop853_e3[12] = {
-    SMG_PAIR(-0.18980075407240762, 7.925770378062754e-18), 0, 0, 0, 0,
-     SMG_PAIR(4.450312892752409, -2.737092775581909e-16),
-    SMG_PAIR(1.8915178993145003, 6.581122499260484e-17), SMG_PAIR(-5.801203960010585, 1.3317442893008373e-16),
-    SMG_PAIR(-0.42268232132379197, 2.2627811149171965e-18), SMG_PAIR(-0.1521609496625161, 8.776696451848075e-18),
-    SMG_PAIR(0.20136540080403034, 6.12257216002761e-18), SMG_PAIR(0.022651792198360825, 1.0635462033025066e-18)};
 /* clang-format on */
 
 #endif

@@ -3,7 +3,7 @@
  * The method and the control of its step are those of runtime/method/explicit/smg_dop853.h. All else is what one writes for one system: a
  * number of components that the compiler knows, the field without a derivative that is 0, every stage an expression, the first
  * stage of a step the last one of the step before, no status but an end that is finite. CARRY: sums with a carry, as generated. */
-#include "smg_dop853_table.h"
+#include "smg_dop853_estimates.h"
 #include "contender.h"
 #include <math.h>
 #include <string.h>
