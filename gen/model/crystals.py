@@ -110,23 +110,36 @@ def in_one_cell(name: str, fractions, periodic):
     return found
 
 
-def shells_within(name: str, says: dict, couplings, cutoff: float | None) -> dict:
-    """Shell -> its coupling. Raises UsageError for more couplings than shells, or one of a shell beyond the cutoff."""
+def shells_within(name: str, says: dict, size, couplings, cutoff: float | None) -> dict:
+    """Shell -> its coupling. Raises UsageError for more couplings than shells, or one of a shell beyond the cutoff or beyond open ends."""
     couplings = list(couplings)
     if not 1 <= len(couplings) <= len(SHELLS):
         raise UsageError(f"'{name}' has {len(couplings)} couplings; give one for each shell, from 1 to {len(SHELLS)}")
     for k in range(len(couplings)):
-        length = length_of(name, says, k)
+        bonds = bonds_of(name, says, k)
+        length = length_of(says, bonds[0])
+        if not any(stays(offset, size, says["boundary"]) for _, (_, offset) in bonds):
+            raise UsageError(f"the {SHELLS[k]} shell of '{name}', at {length:.6g}, has no bonds: all of them leave the crystal along vectors that are not periodic; use longer vectors there")
         if cutoff is not None and length > cutoff:
             raise UsageError(f"the {SHELLS[k]} shell of '{name}' is at {length:.6g}, beyond the cutoff {cutoff:g}: {len(couplings)} couplings are too many")
     return dict(zip(SHELLS, couplings))
 
 
-def length_of(name: str, says: dict, k: int) -> float:
-    """The distance of the neighbours of a shell."""
-    vectors, positions = np.array(says["vectors"]), np.array(says["positions"])
+def bonds_of(name: str, says: dict, k: int) -> tuple:
+    """Those of a shell."""
     try:
-        (a, _), (b, offset) = shell(says["vectors"], says["positions"], 3, k)[0]
+        return shell(says["vectors"], says["positions"], 3, k)
     except (Unclear, np.linalg.LinAlgError) as problem:
         raise UsageError(f"the cell of '{name}' has no shells: {problem}") from None
+
+
+def stays(offset, size, boundary) -> bool:
+    """Is a bond of this offset in the crystal? A size that is a formula may be large enough."""
+    return all(ends == "periodic" or not isinstance(n, int) or abs(away) < n for away, n, ends in zip(offset, size, boundary))
+
+
+def length_of(says: dict, bond) -> float:
+    """The distance of the neighbours that it joins."""
+    vectors, positions = np.array(says["vectors"]), np.array(says["positions"])
+    (a, _), (b, offset) = bond
     return float(np.linalg.norm((np.array(offset) + positions[b] - positions[a]) @ vectors))

@@ -164,8 +164,9 @@ class Model:
         The lattice is called `name`, and the effects `NAME_first`, `NAME_second`, ...
         """
         says = lattice_of(name, atoms, elements)
-        shells = shells_within(name, says, couplings, cutoff) if len(couplings) else {}
-        self.lattice(name, size=[counted(n) for n in size], **says)
+        cells = [counted(n) for n in size]
+        shells = shells_within(name, says, cells, couplings, cutoff) if len(couplings) else {}
+        self.lattice(name, size=cells, **says)
         vectors = self.sphere(family, name)
         for shell, J in shells.items():
             self.effect(f"{name}_{shell}", over=f"bond(i, j) of {name}.{shell}", energy=f"-({plain(J)})*dot({family}[i], {family}[j])")

@@ -133,6 +133,18 @@ def test_atoms_keep_their_distances_along_an_open_direction(heights):
     assert Witness(spec).energy(np.tile([0, 0, 1.0], (18, 1))) == -9
 
 
+def test_a_shell_beyond_open_ends_is_refused():
+    """Of a layer whose cell is lower than it is wide the nearest atoms are above and below, where there are none."""
+    layer = SimpleNamespace(cell=np.diag([5.0, 5.0, 3.0]), pbc=(True, True, False), get_scaled_positions=lambda wrap: np.array([[0, 0, 0.5]]), get_chemical_symbols=lambda: ["Fe"])
+    with pytest.raises(UsageError, match="the first shell of 'c', at 3, has no bonds"):
+        Model("layer").crystal("c", layer, (3, 3, 1), (1.0,))
+    for size in ((3, 3, 2), (3, 3, "n")):
+        model = Model("layer")
+        model.parameter("n", 2)
+        model.crystal("c", layer, size, (1.0,))
+        assert Witness(model.spec()).energy(np.tile([0, 0, 1.0], (18, 1))) == -9
+
+
 def test_atoms_beyond_one_cell_of_an_open_direction_are_refused():
     with pytest.raises(UsageError, match="the atoms of 'c' extend beyond one cell along vector 3, which is not periodic"):
         Model("slab").crystal("c", slab((-1.0, 20.0)), (3, 3, 1), (1.0,))
