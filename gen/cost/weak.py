@@ -19,8 +19,8 @@ from ..methods import DEFAULT, METHODS
 from ..run.many.average import Job
 from ..run.record.means import BINS
 from ..run.settings import Settings
-from ..run.step.prepared import choose as one_of
-from ..run.step.start import find_start, state_at
+from ..run.step.prepared import choose as one_of, scene_of
+from ..run.step.start import state_at
 from ..tables import text_of
 from .measure.case import asked_time
 from .report import CostTable, duration, label, shown, table_of
@@ -99,7 +99,8 @@ def one_start(spec: Spec, settings: Settings) -> Settings:
     """The same from the vectors of the start: those of a random one would differ with the seeds of the rows."""
     if isinstance(settings.start, np.ndarray):
         return settings
-    return dataclasses.replace(settings, start=state_at(settings.numbers, find_start(spec, settings.start), settings.seed))
+    numbers = settings.numbers.of(scene_of(spec, settings.effects, settings.parameters))
+    return dataclasses.replace(settings, start=state_at(numbers, settings.start, settings.seed))
 
 
 def row_of(spec: Spec, settings: Settings, whole: float, method: str, steps: int, what, seconds: float, k: int) -> WeakRow:

@@ -10,11 +10,15 @@ import pytest
 from support.strict import REALS, WARNINGS
 
 import smidgen
+from smidgen.check.validate import Case as ValidateCase
+from smidgen.check.verify.case import Case as VerifyCase
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
+from smidgen.cost.measure.case import Case as CostCase
 from smidgen.methods import METHODS
 from smidgen.resources import include_flags
+from smidgen.run.settings import settle
 from smidgen.run.step.start import initial_state
 
 quick = pytest.mark.quick
@@ -316,3 +320,16 @@ def test_verify_and_validate_say_yes():
     for spec in (held(), held(BOTH + DAMPED), held(ABSENT.format("k == 4"))):
         assert smidgen.validate(spec).passed
         assert smidgen.verify(spec, tier="quick").passed
+
+
+@pytest.mark.parametrize("start", ["r", "array"])
+@pytest.mark.parametrize("effects", [["bonds", "axis"], ["bonds", "axis", "holes"]])
+def test_other_commands_begin_where_the_run_does(effects, start):
+    """Sites are absent only with the effect that removes them; of outputs, where they are 0, all make the same state."""
+    spec = held()
+    start = smidgen.run(spec, effects=effects).final if start == "array" else start
+    w = smidgen.build(spec, effects=effects).start(start if isinstance(start, str) else start.copy(), h=0.1).w
+    settings = settle(spec, effects=effects, start=start)
+    for found in (VerifyCase(spec, settings, 2), ValidateCase(settings, spec, 1), CostCase(spec, settings)):
+        assert np.abs(found.w - w).max() < 1e-15
+    assert VerifyCase(spec, settings, 2).numbers.present.all() == ("holes" not in effects)

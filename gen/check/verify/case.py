@@ -29,6 +29,7 @@ class Case:
                  layouts: bool = False):
         s = self.settings = settings
         self.spec, self.scene = spec, select(spec, s.effects, s.parameters)
+        self.numbers = s.numbers.of(self.scene)
         self.witness = Witness(spec, s.parameters, s.effects)
         self.leaves = Leaves(s.numbers.kappas.astype(LONG), s.numbers.casimir_matrices.astype(LONG), s.numbers.radii)
         self.dice = generator("verify", seed)
@@ -45,10 +46,10 @@ class Case:
     def _start(self):
         s = self.settings
         if isinstance(s.start, np.ndarray):
-            return np.array(s.start, dtype=float)
+            return put_away(self.numbers, np.array(s.start, dtype=float))
         if s.start is None and not self.spec.starts:
             return np.array(self.leaves.polished(self.dice.standard_normal((self.witness.sites, 3))), float)
-        return state_at(s.numbers, s.start, s.seed)
+        return state_at(self.numbers, s.start, s.seed)
 
     def of_tier(self, table: dict):
         """The entry of the tier; a number of steps asks for the normal one."""
@@ -92,7 +93,7 @@ class Case:
     def nudged(self, size: float) -> np.ndarray:
         """A state about size*|w| away from the start, on its spheres."""
         away = self.w + size * lengths(self.w)[:, None] * self.dice.uniform(-1, 1, self.w.shape)
-        return put_away(self.settings.numbers, np.array(self.leaves.polished(away), float))
+        return put_away(self.numbers, np.array(self.leaves.polished(away), float))
 
     def find_states(self, subject) -> None:
         """points: (w, t) of the start and of states beside it, at the busiest times.

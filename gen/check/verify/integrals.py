@@ -81,7 +81,7 @@ def integral(case: Case, numbers) -> Integral:
 
 def total(case: Case, action):
     """w -> sum kappa axis.w over the sites that act on others."""
-    acting = action.mask & ~case.tracers & case.settings.numbers.present
+    acting = action.mask & ~case.tracers & case.numbers.present
     weight = np.where(acting if acting.any() else action.mask, case.witness.kappa, 0)[:, None] * action.axis
     return lambda w: np.einsum("si,si->", weight, w)
 

@@ -25,7 +25,7 @@ def symplectic(case: Case, subject) -> list[Row]:
     """The defect of all sites that act on others, and of the tracers among themselves."""
     if not case.scene.conservative:
         return [not_applicable("symplectic", given_up(case.scene))]
-    moving = case.settings.numbers.moving
+    moving = case.numbers.moving
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.flatnonzero(moving), "" if moving.all() else "of the sites that move")] if moving.any() else [
             not_applicable("symplectic", "no site moves")]

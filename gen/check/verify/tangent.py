@@ -19,7 +19,7 @@ ULPS = 256              # of the symplectic form, in double precision
 
 def tangent(case: Case, subject) -> list[Row]:
     """Two rows: against differences, and its own defect; the sites that act on others."""
-    moving = case.settings.numbers.moving
+    moving = case.numbers.moving
     sites = next((found for mask in (~case.tracers & moving, moving) if (found := np.flatnonzero(mask)).size), np.arange(case.sites))
     found = [compared(case, subject, w, t, h, sites) for w, t, h in case.trials()]
     if any(one is None for one in found):

@@ -67,9 +67,9 @@ def _of_family(numbers: Evaluated, number: int, one: FamilyStart, sites, seed):
 
 
 def put_away(numbers: Evaluated, w: np.ndarray) -> np.ndarray:
-    """The state with absent sites where all states have them, at (0, 0, r)."""
+    """The state with absent sites where all states have them, at (0, 0, r); of another number of sites, as it is."""
     gone = ~numbers.present
-    if gone.any():
+    if gone.any() and len(w) == len(gone):
         w[gone], w[gone, 2] = 0, np.where(np.isnan(numbers.radii[gone]), 1, numbers.radii[gone])
     return w
 
