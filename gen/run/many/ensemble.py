@@ -93,7 +93,7 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     members = _members(None if given is None or isinstance(given, str) else given, own)
     first = {**parameters, **{name: np.asarray(value)[0] for name, value in own.items()}}
     s = settle(spec, run, start=given if isinstance(given, str) else None, seed=seed, method=method, solver=solver, h=h, steps=steps, time=time,
-               every=every or 1, what=(), effects=effects, parameters=first, tolerance=tolerance)
+               every=1 if every is None else every, what=(), effects=effects, parameters=first, tolerance=tolerance)
     prepared = s.prepared(spec)
     noise = noise_of(prepared.scene, s.h, seed)
     w = _states(prepared, s.start if given is None else given, own, members, seed)
