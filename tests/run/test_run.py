@@ -430,3 +430,14 @@ def test_importing_is_light():
     code = "import smidgen, sys; print([m for m in ('sympy','matplotlib','h5py','rich','plotly') if m in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "[]"
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("count", [-1, 2 ** 63, 2 ** 64 + 3])
+def test_a_number_of_steps_that_c_does_not_take(count):
+    """Beyond 64 bits it would be another number."""
+    one = smidgen.build("free_rigid_body").start("paper", h=0.1)
+    for steps in (one.steps, one.advance, lambda n: one.push_forward(np.zeros((1, 3)), n)):
+        with pytest.raises(smidgen.UsageError, match="the number of steps must"):
+            steps(count)
+    assert one.count == 0

@@ -17,6 +17,7 @@ import numpy as np
 from ... import ranks
 from ...build.binary import Built, build_library
 from ...errors import RunError, UsageError
+from ...language import limits
 from ...language.spec import Spec
 from ...methods import METHODS
 from ...public import ReadOnly, few, public
@@ -201,8 +202,7 @@ class Integrator(ReadOnly):
     def advance(self, count: int) -> int:
         """Take up to `count` steps without raising an error; return the number of steps that succeeded."""
         self._started()
-        if count < 0:
-            raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
+        check_count(count)
         self._gather_threads()
         done = ctypes.c_int64(0)
         status = self._c.go(self._state, self.w.ctypes.data, count, ctypes.byref(done))
@@ -332,8 +332,7 @@ class Integrator(ReadOnly):
 
         :raises RunError: if a step or its tangent map fails: w is then the state before that step, and v is unchanged.
         """
-        if count < 0:
-            raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
+        check_count(count)
         return self._carry(v, count) if count else v
 
     def _carry(self, v, count):
@@ -444,6 +443,14 @@ class Integrator(ReadOnly):
         with np.errstate(over="ignore", invalid="ignore"):      # a step of 1e300 fails, and its rate may be infinite
             turns = abs(self.h) * np.hypot(np.hypot(b[:, 0], b[:, 1]), b[:, 2])
         return float(turns[site] if site >= 0 else turns.max())
+
+
+def check_count(count: int) -> None:
+    """Raises UsageError for a number of steps that C does not take."""
+    if count < 0:
+        raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
+    if count > limits.STEPS:
+        raise UsageError(f"the number of steps must be at most {limits.STEPS}, not {count}")
 
 
 def value_columns(scene: Spec) -> list[str]:
