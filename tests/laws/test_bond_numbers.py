@@ -158,7 +158,7 @@ def test_what_does_not_fit_is_told(tmp_path):
 
 def test_sizes_are_compared_in_c_too(tmp_path):
     text = generate(spec_of(tmp_path, "open", "J[b]*dot(w[i], w[j])", size="22 + 0*nx"))["numbered.c"]
-    assert re.search(r"-1.0 \+ \(smg_real\)model->n1\*\(-1.0 \+ .* < \(smg_real\)model->n3\)\) return SMG_BAD_PARAMETER", text)
+    assert re.search(r"-1.0 \+ \(smg_real\)model->n1\*\(-1.0 \+ .* < \(double\)\(smg_real\)model->n3\)\) return SMG_BAD_PARAMETER", text)
 
 
 def test_a_hole_takes_its_bonds_with_it_and_leaves_the_numbers(tmp_path):
