@@ -93,7 +93,7 @@ FAULTS = {
     "members with parameters of their own": Fault("ensemble", "smg_lane_batch.h", "smg_lane_fill(to, l, smg_lane_at(b->group + k, l, part));", "smg_lane_fill(to, l, smg_lane_at(b->group + k, l == SMG_LANES - 1 ? 0 : l, part));", BODY, {}, ENSEMBLE),
     "a second member, one by one": Fault("ensemble", "smg_ensemble.h", "e->member[k].report.status = smg_steps(e->member + k, count);", "e->member[k].report.status = smg_steps(e->member + k, k == 1 && count > 5 ? count - 1 : count);", CHAIN, {}, ENSEMBLE),
     "the last row": Fault("run", COMMIT, "smg_lane_add_step(3, sum, go.lost_from + slot, go.lost + slot, go.pitch, u);", f"smg_lanes wrong[3];\n  smg_lane_multiple(wrong, smg_lane_of({END}), u, 3);\n  smg_lane_add_step(3, sum, go.lost_from + slot, go.lost + slot, go.pitch, wrong);", CUBIC),
-    "the seam of a ring": Fault("run", ROWS, "o->cell[0] < 0 ? x + n : x - n, s) - at->start;", "o->cell[0] < 0 ? x + n : x - n + SMG_ROW_STEP, s) - at->start;", CHAIN),
+    "the seam of a ring": Fault("run", ROWS, "along < 0 ? x + n : x - n, s) - at->start;", "along < 0 ? x + n : x - n + SMG_ROW_STEP, s) - at->start;", CHAIN),
     "the bound of rows": Fault("by rows", STATE, "#define SMG_ROW_BOUND (smg_real)0.9", "#define SMG_ROW_BOUND (smg_real)45", CUBIC),
     "the tolerance of rows": Fault("tolerance", "smg_row_sweep.h", "* sweep->whole.rate * sweep->whole.now))", "* sweep->whole.rate * sweep->whole.now / 100))", CUBIC, LONG,
                                    more=(("smg_row_step.h", "return smg_tolerated(s, s->report.residual);", "return smg_tolerated(s, s->report.residual / 100);"),)),
