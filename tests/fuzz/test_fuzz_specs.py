@@ -5,6 +5,7 @@ import os
 import random
 import re
 import signal
+from types import SimpleNamespace
 
 import pytest
 import smidgen
@@ -18,13 +19,14 @@ from fuzz.smaller import smaller
 from fuzz.specs import KINDS, attempt, closing, many, rows_of, signature
 from fuzz.through import Fault, through
 
-from smidgen.errors import BuildError
+from smidgen.errors import BuildError, RunError
 from smidgen.compile.emit.amalgamate import inline_runtime
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
 from smidgen.compile.features import FEATURES
 from smidgen.methods import METHODS, SOLVERS
 from smidgen.run.settings import settle
+from smidgen.run.step.status import Status
 
 # 6: blocks, 29: few in lanes, 43: Gauss collocation; 0: a wavefront; 1047: if within min, of a vector of several factors;
 # 316: sizes refused where `a && (b || c)` holds
@@ -206,6 +208,17 @@ def test_whatever_a_spec_does_is_a_row(monkeypatch, what, said):
     monkeypatch.setattr(specs, "through", what)
     row = attempt("", seconds=0.3)
     assert row["verdict"] == "fault" and row["said"].startswith(said.removesuffix(" in")) or said in row["said"]
+
+
+@pytest.mark.quick
+def test_a_value_that_is_not_finite_is_a_fault():
+    """A step that is refused for another reason is none."""
+    one = SimpleNamespace(found={"note": ""})
+    passage.Passage.refused(one, "status 1 after 3 steps", 1)
+    assert one.found["verdict"] == "refused"
+    for refusal in (("status 4 after 0 steps", 4), (RunError("a value is not finite", Status.NOT_FINITE),)):
+        with pytest.raises(Fault, match="not finite"):
+            passage.Passage.refused(one, *refusal)
 
 
 @pytest.mark.quick

@@ -36,6 +36,7 @@ from smidgen.compile.select import select
 from smidgen.run.settings import settle
 from smidgen.run.step.evaluated import parameter_values
 from smidgen.run.step.start import initial_state
+from smidgen.run.step.status import Status
 from smidgen.check.witness import Witness, thermal
 
 from .differential import ALLOWED, EPSILON, UNIT, Pair, compare, random_state
@@ -101,7 +102,10 @@ class Passage:
         self.found = found
         found.update(verdict="fine", note="", program=" ".join(self.program_by), library=" ".join(self.shared_by))
 
-    def refused(self, why):
+    def refused(self, why, status=0):
+        """A step that is refused is no fault, unless a value is not finite: formulas and starts are drawn so that all are."""
+        if Status.NOT_FINITE in (status, getattr(why, "status", 0)):
+            raise Fault(f"not finite: {why}")
         self.found.update(verdict="refused", note=f"{self.found['note']} {str(why)[:160]}".strip())
 
     def read(self):
@@ -280,7 +284,7 @@ class Passage:
             if not gap <= allowed:
                 raise Fault(f"the program's state after {done} steps is {gap:.3g} from the library's, {allowed:.3g} is allowed")
         if self.said["status"][0]:
-            self.refused(f"status {self.said['status'][0]:g} after {len(mine)} steps")
+            self.refused(f"status {self.said['status'][0]:g} after {len(mine)} steps", self.said["status"][0])
 
 
 class Compared(Pair):
