@@ -45,7 +45,7 @@ def neighbours(m):
 # name -> (factor of the space, kappa, effects, dH/dw)
 CASES = {
     "body": ("sphere = 1", 1.5, BODY, lambda m: m * A),
-    "fields": ("sphere = 3, radius = 2", -1.7, FIELD, lambda m: 0 * m - B),
+    "fields": ("sphere = 3, radius = 2", 1.7, FIELD, lambda m: 0 * m - B),
     "few": ("sphere = 4", 1, PAIRS + AXIS + FIELD, lambda m: m.sum(0) - m - 0.6 * m * Z - B),
     "chain": ("sphere = 'n', radius = 1.3", 0.9, CHAIN + AXIS + FIELD, lambda m: -neighbours(m) - 0.6 * m * Z - B),
     "bonds": ("sphere = 'n'", 1, CHAIN, lambda m: -neighbours(m)),
