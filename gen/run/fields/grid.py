@@ -6,7 +6,7 @@ the p sites of a cell at the fraction s/p of its diagonal, unless other fraction
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ...errors import UsageError
 from ...language.evaluate import integer
 from ...language.places import placed_on
 from ...language.spec import Lattice, Places, Spec
+from ...language.units import LENGTH
 from ...public import public
 from ..files.recorded import spec_of
 from ..step.evaluated import Evaluated
@@ -27,11 +28,13 @@ class Grid:
     :ivar periodic: for each direction, whether it is periodic.
     :ivar sites: the number of sites in a cell.
     :ivar places: the vectors of the lattice and the positions of the sites in a cell; None if the spec does not give them.
+    :ivar unit: the unit of length of the places; "" if they have none.
     """
     size: tuple[int, ...]
     periodic: tuple[bool, ...]
     sites: int = 1
     places: Places | None = field(default=None, compare=False)
+    unit: str = field(default="", compare=False)
 
     @property
     def count(self) -> int:
@@ -118,17 +121,18 @@ def grids_of(numbers: Evaluated, family: str, called=None) -> list[Grid]:
             key = tuple(integer(e, numbers.values, "the size of a lattice") for e in over.size), over.sites
             found[key] = tuple(a and b for a, b in zip(over.periodic, found.get(key, over.periodic)))
     home = placed_on(spec, family)
-    grids = [Grid(size, periodic, per_cell, of_lattice(home, size, per_cell)) for (size, per_cell), periodic in found.items()]
+    grids = [placed(Grid(size, periodic, per_cell), home, spec.units) for (size, per_cell), periodic in found.items()]
     for grid in grids:
         if min(grid.size) < 1 or grid.count != count:
             raise UsageError(f"a lattice of {said(grid.size)} cells does not fit the {count} sites of '{family}'")
     return grids
 
 
-def of_lattice(home, size, sites: int) -> Places | None:
-    """The places of cells of so many directions and sites, where the family stands on such a lattice."""
-    fits = isinstance(home, Lattice) and (len(home.size), home.sites) == (len(size), sites)
-    return home.places if fits else None
+def placed(grid: Grid, home, units) -> Grid:
+    """The grid with the places of its family, if `home`, where the family stands, is a lattice of as many directions and sites a cell."""
+    if not isinstance(home, Lattice) or (len(home.size), home.sites) != (len(grid.size), grid.sites) or home.places is None:
+        return grid
+    return replace(grid, places=home.places, unit=units.spelt(LENGTH) if units and home.places.measured else "")
 
 
 def with_parameters(source, parameters: dict | None) -> tuple[Spec, dict]:

@@ -26,8 +26,8 @@ def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
     where = in_three(grid.positions()) if grid.places is None else grid.where()
     rows = w if regular else np.hstack([where, w])
     kind = "Text" if text else "Binary 8"
-    head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}", "meshunit: cell" if grid.places is None else "meshunit: 1",
-            "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
+    head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}",
+            f"meshunit: {'cell' if grid.places is None else grid.unit or 1}", "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
             *box(where, size, spacing if grid.places is not None else (1, 1, 1)),
             *(mesh(size, spacing) if regular else [*([SCHEMATIC] if grid.places is None else []), "meshtype: irregular", f"pointcount: {len(rows)}"]),
             "End: Header", f"Begin: Data {kind}"]
