@@ -17,8 +17,11 @@ POLISHED = 6        # Newton's steps at most; they converge quadratically
 
 def torque(numbers: Evaluated, energy: Energy, w) -> float:
     """The largest |n x g| of a site that moves, over the largest |g| if no terms cancelled: 0 at an equilibrium, at most 1."""
-    across = np.linalg.norm(np.cross(normals(numbers, w)[0], energy.gradient(w)), axis=1)[numbers.moving]
-    largest = energy.strength(w)
+    moving = numbers.moving
+    largest = energy.strength(w)[moving].max(initial=0.0)
+    if not np.isfinite(largest):
+        raise UsageError("the state is not an equilibrium: the field of some spin is not finite there")
+    across = np.linalg.norm(np.cross(normals(numbers, w)[0][moving], energy.gradient(w)[moving]), axis=1)
     return float(across.max(initial=0.0) / largest) if largest > 0 else 0.0
 
 

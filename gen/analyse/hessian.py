@@ -11,6 +11,7 @@ import sympy as sp
 
 from ..compile.derive.derivatives import Derived, derive
 from ..compile.derive.values import value
+from ..compile.plan.held import present
 from ..errors import UsageError
 from ..language.evaluate import evaluate
 from ..language.expr import Time
@@ -19,11 +20,11 @@ from ..run.step.evaluated import Evaluated
 
 
 class Energy:
-    """H of a scene. Raises UsageError for an energy that depends on time."""
+    """H of a scene, without its absent sites. Raises UsageError for an energy that depends on time."""
 
     def __init__(self, numbers: Evaluated):
         self.sites = sum(count for _, count in numbers.places.values())
-        self.sums = [Sum(derive(term), numbers) for term in numbers.spec.energies]
+        self.sums = [Sum(derive(term), numbers) for term in present(numbers.spec).energies]
 
     def at(self, w) -> float:
         """H(w)."""
@@ -36,12 +37,12 @@ class Energy:
             one.add_gradient(w, found)
         return found
 
-    def strength(self, w) -> float:
-        """The largest field of a site, where no two terms cancel."""
+    def strength(self, w) -> np.ndarray:
+        """The field of each site, where no two terms cancel, (sites,)."""
         found = np.zeros((self.sites, 3))
         for one in self.sums:
             one.add_gradient(w, found, np.abs)
-        return float(np.linalg.norm(found, axis=1).max())
+        return np.linalg.norm(found, axis=1)
 
     def hessian(self, w) -> tuple:
         """(i, j, blocks): the pairs of sites, in their order, each once."""

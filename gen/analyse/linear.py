@@ -25,6 +25,8 @@ class Linear:
         self.normal, length = normals(numbers, self.w)
         self.gradient = energy.gradient(self.w)
         i, j, blocks = energy.hessian(self.w)
+        if not np.isfinite(blocks).all():
+            raise UsageError("the second derivatives of the energy are not finite at the equilibrium: no motion near it is linear")
         mu = np.sum(self.normal * self.gradient, axis=1) / np.where(length > 0, length, 1)
         every = np.arange(len(self.w))
         i, j = np.concatenate([i, every]), np.concatenate([j, every])

@@ -9,7 +9,7 @@ The exponents of an orbit are the rates at which tangent vectors grow,
     lambda_i = lim (1/t) ln |M(t) v_i|,    M the derivative of the state at t by the start.
 
 For a symplectic map they come in pairs lambda_i = -lambda_(n+1-i); on a regular orbit vectors
-grow in proportion to t, and estimates fall as ln(t)/t.
+grow in proportion to t, and estimates fall as ln(t)/t. Vectors have no part at sites that are pinned or absent.
 """
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ import numpy as np
 from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
+from ..run.settings import whole
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
 
@@ -44,8 +45,10 @@ class Exponents(NamedTuple):
         """Standard errors (columns,) of `values`, from means over `batches` parts of the run.
 
         They are honest once a part is longer than the time in which the orbit forgets. Raises
-        UsageError where there are fewer blocks than batches.
+        UsageError where there are fewer blocks than batches, or fewer batches than 2.
         """
+        if whole(batches, "batches") < 2:
+            raise UsageError(f"an error needs at least 2 batches, not {batches}")
         size = len(self.times) // batches
         if size < 1:
             raise UsageError(f"{len(self.times)} blocks cannot be divided into {batches} batches")
@@ -64,7 +67,7 @@ def exponents(model, w, h: float, steps: int, columns: int | None = None, every:
 
     :param model: an Integrator with the feature "tangent".
     :param w: the start: an array of shape (sites, 3), or the name of a start.
-    :param columns: the number of exponents, at most 2*sites; by default all.
+    :param columns: the number of exponents, at most twice the number of sites that move; by default all.
     :param every: the number of steps between orthonormalisations.
     :param seed: the seed of the first vectors.
     :raises UsageError: for an argument that does not fit.
@@ -72,11 +75,8 @@ def exponents(model, w, h: float, steps: int, columns: int | None = None, every:
     """
     blocks = _blocks(steps, every)
     model.start(w, h=h, t0=t0)
-    most = 2 * model.sites
-    columns = most if columns is None else columns
-    if not 1 <= columns <= most:
-        raise UsageError(f"columns must be from 1 to {most}, twice the sites of {model.name}; not {columns}")
-    v = tangent_vectors(model, columns, seed)
+    v = tangent_vectors(model, 2 * int(model.prepared.numbers.moving.sum()) if columns is None else columns, seed)
+    columns = len(v)
     growth = np.empty((blocks, columns))
     for k in range(blocks):
         model.push_forward(v, every)
@@ -91,21 +91,25 @@ def orthonormal(v):
 
 
 def tangent_vectors(model, columns: int, seed: int = 0) -> np.ndarray:
-    """`columns` orthonormal random vectors (columns, sites, 3), tangent to the leaves at the state of model."""
+    """`columns` orthonormal random vectors (columns, sites, 3), tangent to the leaves at the state of model. Raises UsageError."""
+    most = 2 * int(model.prepared.numbers.moving.sum())
+    if not 1 <= columns <= most:
+        raise UsageError(f"columns must be from 1 to {most}, twice the sites of {model.name} that move; not {columns}")
     v = generator("tangent vectors", seed).standard_normal((columns, model.sites, 3))
     return orthonormal(on_leaves(model, v.astype(model.real)))[0]
 
 
 def on_leaves(model, v) -> np.ndarray:
-    """v (columns, sites, 3) without its parts across the leaves at the state of model.
+    """v (columns, sites, 3) without its parts across the leaves at the state of model, and at sites that do not move.
 
     In exact arithmetic there are none. What rounding leaves of them neither grows nor decays, and so
     would outgrow vectors that decay.
     """
-    n = np.einsum("sab,sb->sa", model.prepared.numbers.casimir_matrices, model.w)
+    numbers = model.prepared.numbers
+    n = np.einsum("sab,sb->sa", numbers.casimir_matrices, model.w)
     square = np.sum(n * n, axis=1)
     across = np.einsum("csa,sa->cs", v, n) / np.where(square > 0, square, 1)
-    return v - across[..., None] * n
+    return np.where(numbers.moving[:, None], v - across[..., None] * n, v.dtype.type(0))
 
 
 @public
@@ -114,8 +118,10 @@ def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: 
     """The largest Lyapunov exponent of an orbit, from the separation of two trajectories, without the tangent map.
 
     The separation is reset to `offset` every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338. The
-    other arguments and the errors are those of `exponents`.
+    other arguments and the errors are those of `exponents`; models with thermal noise are refused.
     """
+    if model.scene.heated:
+        raise UsageError(f"{model.name} has thermal noise, which would begin anew with each separation: leave out the effect with `kT`")
     blocks, radius = _blocks(steps, every), model.prepared.numbers.radii
     here = model.start(w, h=h, t0=t0).state()
     direction = tangent_vectors(model, 1, seed)[0]
@@ -142,7 +148,8 @@ def _blocks(steps: int, every: int) -> int:
 
 
 def _exponents(growth, block: float) -> Exponents:
-    """Running means of the growth over blocks that last `block` each."""
+    """Running means of the growth over blocks that last `block` each, the columns in the order of the last."""
     times = block * np.arange(1, len(growth) + 1)
+    growth = growth[:, np.argsort(-growth.sum(axis=0), kind="stable")]
     running = np.cumsum(growth, axis=0) / times[:, None]
-    return Exponents(np.sort(running[-1])[::-1], running, times, growth)
+    return Exponents(running[-1].copy(), running, times, growth)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..run.fields.grid import Grid, said
+from ..run.settings import whole
 from ..run.step.evaluated import Evaluated
 from .linear import Linear
 
@@ -70,7 +71,7 @@ def order_of(linear: Linear, sites: Sites, given=None) -> Order:
 
 
 def given_order(linear: Linear, sites: Sites, given) -> Order:
-    size = tuple(map(int, np.atleast_1d(given)))
+    size = tuple(whole(n, "the magnetic cell") for n in np.atleast_1d(given))
     if len(size) != len(sites.grid.size) or any(not 1 <= s <= n or n % s for s, n in zip(size, sites.grid.size)):
         raise UsageError(f"the magnetic cell of this lattice must divide its {said(sites.grid.size)} cells, as {list(sites.grid.size)} does; "
                          f"{list(size)} does not")

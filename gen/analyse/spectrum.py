@@ -183,14 +183,16 @@ def found_lines(settings, numbers, family: str, grid: Grid, m, q, theory, basis)
     if theory is False:
         return None
     if isinstance(theory, SpinWaves):
-        return fitting(theory, m / np.array(grid.size))
+        return fitting(theory, family, m / np.array(grid.size))
     w = state_of(numbers, settings.start, settings.seed) if theory is True else state_of(numbers, theory, None)
     between = BETWEEN if is_path(q) else 1
     return theory_of(numbers, family, grid, m / np.array(grid.size), w, relax=theory is True, basis=basis, between=between)
 
 
-def fitting(theory: SpinWaves, q) -> SpinWaves:
-    """Lines that are given. Raises UsageError where they are those of other wave vectors."""
+def fitting(theory: SpinWaves, family: str, q) -> SpinWaves:
+    """Lines that are given. Raises UsageError where they are those of another family or of other wave vectors."""
+    if theory.meta["family"] != family:
+        raise UsageError(f"the lines given are those seen in '{theory.meta['family']}', not in '{family}'")
     own = theory.q[::theory.meta["between"]]
     if own.shape != q.shape or not np.allclose(own, q, rtol=0, atol=1e-9):
         raise UsageError("the lines given belong to other wave vectors: compute them with the same q")

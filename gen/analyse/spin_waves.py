@@ -20,10 +20,11 @@ from ..public import ReadOnly, public
 from ..read.shipped import SpecLike, spec_or_name
 from ..run.fields.field import Field
 from ..run.fields.grid import Grid, family_of, of
+from ..run.settings import whole
 from ..run.step.evaluated import Evaluated
 from ..run.step.prepared import asked, scene_of
 from ..run.step.start import put_away, state_at, wrong_start
-from .waves import waves
+from .waves import rows, waves
 
 FLAT = 1e-9         # of the largest curvature: what is lowered less is round-off
 GROWS = 1e-6        # of the largest frequency: a rate below that is round-off
@@ -88,6 +89,8 @@ def spin_waves(spec: SpecLike, run: str | None = None, *, start: str | np.ndarra
     The lines follow from the Hessian of the energy. They do not include damping or noise, which is stated in `meta["notes"]`. Formulas are in
     docs/lattices.md.
     """
+    if whole(between, "between") < 1:
+        raise UsageError("between must be at least 1")
     one = asked(spec, run, None, None, effects, parameters)
     scene = scene_of(spec, one.effects, dict(one.parameters))
     numbers = Evaluated(spec, dict(one.parameters)).of(scene)
@@ -120,10 +123,7 @@ def rows_of(grid: Grid, q) -> np.ndarray:
     """Wave vectors in units of the reciprocal lattice: those of the finite lattice by name, or any."""
     if isinstance(q, str):
         return waves(grid, q) / np.array(grid.size)
-    rows = np.atleast_2d(np.asarray(q, float))
-    if rows.ndim != 2 or rows.shape[1] != len(grid.size) or not np.all(np.isfinite(rows)):
-        raise UsageError(f"a wave vector of this lattice must consist of {len(grid.size)} finite numbers")
-    return rows
+    return rows(grid, q)
 
 
 def refined(q, between: int) -> np.ndarray:
@@ -179,6 +179,8 @@ def obstacles(numbers: Evaluated) -> list:
         raise UsageError(f"linear spin waves are defined for energies only, but a torque acts on '{scene.pushed[0]}': leave it out (effects=..)")
     if tracer := next((f.name for f in scene.families if f.tracer), None):
         raise UsageError(f"linear spin waves are defined for energies only, but '{tracer}' is a tracer, which has none")
+    if not numbers.moving.any():
+        raise UsageError("no site moves: all of them are pinned or absent")
     notes = ["the lines are computed without damping, which broadens them and lowers their frequencies"] if scene.damped else []
     return notes + ["the lines are computed without noise; a temperature broadens and shifts them"] * bool(scene.heated)
 
@@ -192,6 +194,8 @@ class Lines:
         found = [self.of(k) for k in q]
         self.lines = max(len(omega) for omega, _, _ in found)
         self.omega, self.weights, self.growth = (np.stack([self.padded(row[k]) for row in found]) for k in range(3))
+        if not self.stable:
+            self.weights[:] = np.nan        # no thermal equilibrium
 
     @property
     def stable(self) -> bool:
@@ -204,7 +208,7 @@ class Lines:
             found = self.modes.at(q - theta / (2 * np.pi))
             phases = np.exp(-1j * self.modes.fractions @ theta) / np.sqrt(self.count)
             weights = np.abs(np.einsum("s,msb,cb->mc", phases[self.own], found.waves[:, self.own], p)) ** 2
-            first = min(len(found.omega) // 2, np.searchsorted(found.omega, self.modes.zero))
+            first = min(len(found.omega) // 2, np.searchsorted(found.omega, self.modes.zero, side="right"))
             rows.append((np.where(found.omega > self.modes.zero, found.omega, 0)[first:], weights[first:], found.growth[first:]))
             self.lowest = min(self.lowest, found.lowest)
         omega, weights, growth = (np.concatenate(parts) for parts in zip(*rows))

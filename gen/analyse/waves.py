@@ -21,11 +21,18 @@ def waves(grid: Grid, q) -> np.ndarray:
     """Integers m (count, directions) with q = m/size: "all", a path "0,0 1/2,0 1/2,1/2", or rows of q. Raises UsageError."""
     if isinstance(q, str):
         return every_wave(grid) if q.strip() == "all" else along(corners(grid, q))
+    return whole(grid, rows(grid, q))
+
+
+def rows(grid: Grid, q) -> np.ndarray:
+    """Wave vectors (count, directions) that are given as numbers. Raises UsageError."""
     try:
-        rows = np.atleast_2d(np.asarray(q, float))
+        found = np.atleast_2d(np.asarray(q, float))
     except (TypeError, ValueError):
         raise UsageError("q must be \"all\", a path such as \"0,0 1/2,0\", or rows of numbers") from None
-    return whole(grid, rows)
+    if found.ndim != 2 or not len(found) or found.shape[1] != len(grid.size) or not np.all(np.abs(found) < 2 ** 20):
+        raise UsageError(f"a wave vector of this lattice must consist of {len(grid.size)} finite numbers, such as {example(grid).split()[1]}")
+    return found
 
 
 def every_wave(grid: Grid) -> np.ndarray:
@@ -39,7 +46,7 @@ def corners(grid: Grid, text: str) -> np.ndarray:
     points = [list(named(grid, point)) if point.isidentifier() and point != "pi" else [constant(number, "a wave vector") for number in point.split(",")] for point in text.split()]
     if not points or len({len(point) for point in points}) > 1:
         raise UsageError(f"a path consists of points of {len(grid.size)} numbers each, such as \"{example(grid)}\", not \"{text}\"")
-    return whole(grid, np.array(points, float))
+    return whole(grid, rows(grid, points))
 
 
 def zone(grid: Grid) -> dict[str, tuple]:
@@ -67,8 +74,6 @@ def example(grid: Grid) -> str:
 
 def whole(grid: Grid, q) -> np.ndarray:
     """m = q size. Raises UsageError for a q that is no wave of the lattice."""
-    if q.ndim != 2 or q.shape[1] != len(grid.size) or not np.all(np.abs(q) < 2 ** 20):
-        raise UsageError(f"a wave vector of this lattice must consist of {len(grid.size)} finite numbers, such as {example(grid).split()[1]}")
     m = np.rint(q * grid.size)
     off = np.abs(q * grid.size - m) > WHOLE * np.maximum(1, np.abs(m))
     if off.any():

@@ -138,7 +138,7 @@ def _placed(start, numbers: Evaluated):
 
 def whole(value, what: str) -> int:
     """An integer from 0 up. Raises UsageError."""
-    if not isinstance(value, numbers.Real) or value != int(value) or value < 0:
+    if not isinstance(value, numbers.Real) or not math.isfinite(value) or value != int(value) or value < 0:
         raise UsageError(f"{what} must be a non-negative integer, not {value}")
     return int(value)
 

@@ -5,7 +5,7 @@ from support.systems import CLASSICAL, SPHERICAL, begin
 
 import smidgen
 from smidgen.errors import UsageError
-from smidgen.analyse.lyapunov import Exponents, exponents, nearby, on_leaves, tangent_vectors
+from smidgen.analyse.lyapunov import Exponents, _exponents, exponents, nearby, on_leaves, tangent_vectors
 from smidgen.analyse.sections import exponent, growth, stroboscope
 
 PERIOD = 2 * np.pi
@@ -181,3 +181,50 @@ def test_vectors_are_tangent_to_the_leaves():
     assert np.abs(on_leaves(model, v) - v).max() < 1e-15
     across = np.einsum("csa,sa->cs", v, model.w * [[1, 1, 1], [2, 2, 0]])    # grad C of both factors
     assert np.abs(across).max() < 1e-14
+
+
+PAIR = """[model]
+name = "pair"
+[space]
+w = {{ sphere = 2 }}
+[effects.exchange]
+energy = "-dot(w[0], w[1])"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.5{}
+[effects.held]
+over = "site(i) of w"
+pinned = "i == 0"
+[starts.near]
+vectors = [[0, 0, 1], [0.6, 0, 0.8]]
+"""
+
+
+@quick
+def test_sites_that_do_not_move_have_no_exponents():
+    """A damped spin beside a pinned one approaches it at the rate alpha/(1 + alpha^2), as fast along both directions."""
+    model = smidgen.build(smidgen.load_text(PAIR.format("")), features=("tangent",))
+    found = exponents(model, "near", 0.02, 4000, every=10)
+    assert found.values == pytest.approx([-0.4, -0.4], rel=0.03)
+    assert nearby(model, "near", 0.02, 400, every=10).values[0] == pytest.approx(-0.4, rel=0.1)
+    with pytest.raises(UsageError, match="from 1 to 2, twice the sites of pair that move; not 3"):
+        exponents(model, "near", 0.02, 40, columns=3)
+
+
+@quick
+def test_nearby_orbits_under_noise_are_refused():
+    model = smidgen.build(smidgen.load_text(PAIR.format("\nkT = 0.1")))
+    with pytest.raises(UsageError, match="thermal noise"):
+        nearby(model, "near", 0.02, 40, every=10)
+
+
+@quick
+def test_columns_are_in_the_order_of_their_values():
+    """Errors and running estimates are those of the value in the same place."""
+    growth = np.random.default_rng(6).standard_normal((100, 3)) * [1, 10, 0.1] + [0, 200, 1]
+    found = _exponents(growth, 0.5)
+    assert (np.diff(found.values) < 0).all() and np.array_equal(found.values, found.running[-1])
+    assert found.error() == pytest.approx([10 * 2 / 10, 0.1 * 2 / 10, 1 * 2 / 10], rel=0.5)
+    for batches in (0, 1, -3):
+        with pytest.raises(UsageError, match="batches"):
+            found.error(batches)

@@ -151,10 +151,43 @@ def test_what_has_no_lines():
         smidgen.spin_waves(magnet("square", n=34, more=FIELD.replace("0.2*", "(1 + 0.1*normal(1, i))*")))
 
 
+HELD = '[effects.held]\nover = "site(i) of w"\n{}\n'
+
+
+def test_absent_sites_do_not_act_on_the_others():
+    """Five of six sites of a ring are an open chain, omega = 2 J S (1 - cos(pi k/5))."""
+    found = smidgen.spin_waves(magnet("chain", more=HELD.format('absent = "i == 3"')), q="0 1/2")
+    np.testing.assert_allclose(found.omega, [RATE * (2 - 2 * np.cos(np.pi * np.arange(5) / 5))] * len(found.q), atol=1e-7)
+    assert found.meta["energy"] == pytest.approx(-0.8 * 1.5 ** 2 * 4)
+
+
+@pytest.mark.parametrize("more, said", [
+    ('[effects.near]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "-log(2*1.5^2 - 2*dot(w[i], w[j]))"\n', "the field of some spin is not finite"),
+    ('[effects.kink]\nover = "site(i) of w"\nenergy = "abs(w[i].x)^1.5"\n', "second derivatives of the energy are not finite"),
+    (HELD.format('pinned = "i >= 0"'), "no site moves")])
+def test_states_without_a_linear_motion_are_refused(more, said):
+    for relax in (False, True):
+        with pytest.raises(smidgen.UsageError, match=said):
+            smidgen.spin_waves(magnet("chain", more=more), relax=relax)
+
+
+@pytest.mark.parametrize("given", [{"q": ["a"]}, {"q": np.zeros((0, 1))}, {"q": [[np.nan]]}, {"cell": "x"}, {"cell": 1.5}, {"cell": np.nan}, {"between": 0}, {"between": 1.5}])
+def test_wave_vectors_and_cells_that_are_none_are_refused(given):
+    with pytest.raises(smidgen.UsageError):
+        smidgen.spin_waves(magnet("chain"), **{"q": "0 1/2", **given})
+
+
+def test_spins_without_a_field_have_a_line_each():
+    """omega = 0, without a weight."""
+    free = smidgen.spin_waves(magnet("chain", J=0), q="0 1/2")
+    assert free.omega.shape == (4, 1) and not free.omega.any() and np.isnan(free.weights).all()
+
+
 def test_a_state_that_is_no_minimum():
     """A ferromagnet of antiferromagnetic bonds is a maximum, where nothing grows; with an axis across it modes grow."""
     quiet = smidgen.spin_waves(magnet("chain", J=-0.8), q="0 1/2")
     assert not quiet.meta["stable"] and "not a minimum" in quiet.meta["notes"][0] and quiet.omega[-1, 0] == pytest.approx(4 * RATE)
+    assert np.isnan(quiet.weights).all() and quiet.seen.all()
     loud = smidgen.spin_waves(magnet("chain", more=AXIS.replace("0.1*w[i].z^2", "0.1*w[i].x^2 + 0.05*w[i].y^2")), q="0 1/2")
     assert "unstable: modes grow at 1 of 4 wave vectors, fastest at q = 0, at the rate" in loud.meta["notes"][0]
     assert loud.growth.max() == pytest.approx(1.5 / 2 * np.sqrt(0.2 * 0.1))
