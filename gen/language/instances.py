@@ -34,7 +34,7 @@ def _each(over, env, places):
 
 
 def _graph(over, env, places):
-    edges = np.array(over.edges, dtype=np.int64).reshape(-1, 2)
+    edges = over.ends
     columns = {name: np.array(values, dtype=float) for name, values in over.columns}
     return {over.first: edges[:, 0], over.second: edges[:, 1]}, columns
 

@@ -165,9 +165,15 @@ class Graph:
         return hash(self.edges)
 
     @cached_property
+    def ends(self):
+        """The edges as an array, shape (edges, 2)."""
+        import numpy as np                  # for graphs alone
+        return np.fromiter(chain.from_iterable(self.edges), np.int64, 2 * len(self.edges)).reshape(-1, 2)
+
+    @cached_property
     def highest(self) -> int:
         """The largest number of a site that an edge meets; -1 without edges."""
-        return max(chain.from_iterable(self.edges), default=-1)
+        return int(self.ends.max(initial=-1))
 
 
 Over = Union[Once, Sites, Pairs, Each, Lattice, Graph]

@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import re
 import stat
+from itertools import repeat
+from operator import contains
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -224,7 +226,10 @@ def plain_numbers(cells: list[str]) -> list | None:
         return list(map(int, cells))
     if max(map(len, cells)) > 40 or not all(map(CELL.match, cells)):
         return None
-    values = [float(c) if "." in c or "e" in c or "E" in c else int(c) for c in cells]
+    if all(map(contains, cells, repeat("."))):
+        values = list(map(float, cells))
+    else:
+        values = [float(c) if "." in c or "e" in c or "E" in c else int(c) for c in cells]
     return None if untried(values) and any(map(number_trouble, values)) else values
 
 

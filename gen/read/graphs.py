@@ -1,7 +1,7 @@
 """Graphs: edge tables in files, `edge(i, j, K) of g`."""
 from __future__ import annotations
 
-from operator import itemgetter
+from operator import eq, itemgetter
 
 from ..language import limits
 from ..language.expr import Num
@@ -57,10 +57,10 @@ class Graphs:
         if len(rows) > limits.EDGES or len(rows[0]) > 2 + limits.COLUMNS:
             child.wrong(codes.LIMIT, f"at most {limits.EDGES} edges with {limits.COLUMNS} "
                         "weights are allowed", "use a smaller table")
-        for i, j, *_ in rows:
-            if not (isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0) or i == j:
-                child.wrong(codes.TABLE, f"{what} has an edge from {i} to {j}",
-                            "an edge joins two different sites, numbered from 0")
+        i, j = (list(map(itemgetter(k), rows)) for k in (0, 1))
+        if {*map(type, i), *map(type, j)} != {int} or min(i) < 0 or min(j) < 0 or any(map(eq, i, j)):
+            first, second = next(row[:2] for row in rows if not joins(*row[:2]))
+            child.wrong(codes.TABLE, f"{what} has an edge from {first} to {second}", "an edge joins two different sites, numbered from 0")
         return rows
 
     def placed_rows(self, node: Node) -> tuple:
@@ -101,6 +101,11 @@ class Graphs:
                                f"columns, but {len(names)} are named", f"write `edge(i, j) of {name}`, followed by a name for each weight that is used")
         columns = tuple((n, tuple(map(float, map(itemgetter(k + 2), rows)))) for k, n in enumerate(names[2:]))
         return Graph(names[0], names[1], tuple(map(itemgetter(0, 1), rows)), columns, family, self.places[name])
+
+
+def joins(i, j) -> bool:
+    """Is this an edge between two sites?"""
+    return isinstance(i, int) and isinstance(j, int) and i >= 0 and j >= 0 and i != j
 
 
 def doubled(rows) -> tuple[int, int]:

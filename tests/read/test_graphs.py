@@ -6,8 +6,10 @@ import pytest
 import smidgen
 from smidgen.compile.assemble.norms import shares
 from smidgen.compile.emit.emit import generate
+from smidgen.compile.lower.loops import graph_name
 from smidgen.compile.plan.ordering import TooMuchFill, symbolic
 from smidgen.errors import RunError
+from smidgen.language.spec import Graph
 from smidgen.read import files
 from smidgen.read.files import plain_rows
 
@@ -101,8 +103,26 @@ def test_the_norm_fits_the_graph(edges):
 @pytest.mark.quick
 def test_a_plain_table_is_read_as_it_is_cell_by_cell():
     assert plain_rows("i,j\n0,1\n1,2\n", 2) == [(0, 1), (1, 2)] and plain_rows("0,1,0.5\n1,2,-1e-3", 2) == [(0, 1, 0.5), (1, 2, -1e-3)]
+    assert plain_rows("0,1,.5\n1,2,-1.e-3", 2) == [(0, 1, 0.5), (1, 2, -1e-3)]
     for odd in ("1;2\n3;4\n", "0,1\n\n1,2\n", "0,1\n1\n", "0, 1\n", "", "i,j\n", "0,1,nan\n", "0,9999999999999999999\n", "0,1,1e400\n", "0,9007199254740993\n1,0.5\n", "0,,1\n", "0,1 # c\n", "0\n"):
         assert plain_rows(odd, 2) is None, odd
+
+
+@pytest.mark.quick
+def test_graphs_share_tables_if_their_edges_and_weights_are_the_same():
+    edges, one = ((0, 1), (1, 2)), ("K", (0.5, -1.0))
+    graphs = [Graph("i", "j", *given) for given in ((edges,), (edges[::-1],), (edges, (one,)), (edges, (("L", one[1]),)), (edges, (("K", (0.5, 1.0)),)), (edges, (one, ("L", one[1]))))]
+    assert len(set(map(graph_name, graphs))) == len(graphs)
+    assert graph_name(Graph("a", "b", edges, (one,), "w")) == graph_name(graphs[2])
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("rows, ends", [("0,1\n1,1\n", "1 to 1"), ("0,1\n1,-2\n", "1 to -2"), ("0,1\n1.5,2\n", "1.5 to 2"), ("0,1\n3,2.0\n", "3 to 2.0")])
+def test_an_edge_that_is_none_is_named(tmp_path, rows, ends):
+    (tmp_path / "edges.csv").write_text(rows)
+    (tmp_path / "web.toml").write_text(TEXT.format(n=9, energy=EXCHANGE.replace("K*", ""), more="").replace("(i, j, K)", "(i, j)"))
+    with pytest.raises(smidgen.SpecError, match=f"has an edge from {ends}"):
+        smidgen.load(tmp_path / "web.toml")
 
 
 @pytest.mark.quick

@@ -80,7 +80,7 @@ def share_tables(model) -> list:
     """d of every site that an edge meets."""
     if model.reach is None or not model.edge_norms or not graphs_alone(model):
         return []
-    edges = np.concatenate([np.array(over.edges).reshape(-1, 2) for over in dict.fromkeys(t.over for t in model.coupled_effects() if isinstance(t.over, Graph))])
+    edges = np.concatenate([over.ends for over in dict.fromkeys(t.over for t in model.coupled_effects() if isinstance(t.over, Graph))])
     return [Table(SHARES, "double", tuple(float(f"{d:.3g}") for d in shares(edges)))]
 
 

@@ -21,11 +21,10 @@ def graph_tables(name: str, over: Graph) -> list:
     """Edges, weights, and the edges that each site begins and ends."""
     found = [Table(f"{name}_edge", "int64_t", over.edges, columns=2)]
     found += [Table(f"{name}_{column}", "double", values) for column, values in over.columns]
-    ends = np.array(over.edges, dtype=np.int64).reshape(-1, 2)
     for side, label in enumerate(("first", "second")):
-        starts = np.cumsum(np.bincount(ends[:, side], minlength=1 + over.highest))
+        starts = np.cumsum(np.bincount(over.ends[:, side], minlength=1 + over.highest))
         found += [Table(f"{name}_{label}_row", "int64_t", (0, *starts.tolist())),
-                  Table(f"{name}_{label}", "int64_t", tuple(np.argsort(ends[:, side], kind="stable").tolist()) or (0,))]
+                  Table(f"{name}_{label}", "int64_t", tuple(np.argsort(over.ends[:, side], kind="stable").tolist()) or (0,))]
     return found
 
 

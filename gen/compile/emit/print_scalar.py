@@ -262,12 +262,12 @@ class Scalar:
         return [f"typedef struct {d.name} {{", f"  {self.real} {', '.join(d.members)};", f"}} {d.name};"]
 
     def define_table(self, d):
+        """Numbers as number() prints them, by one format for all rows."""
+        one = "%r" if d.kind == "double" else "%d"
+        row = "{" + ", ".join([one] * d.columns) + "}" if d.columns else one
         values = chain.from_iterable(d.values) if d.columns else d.values
-        rows = map(repr, map(float, values)) if d.kind == "double" else map(str, values)      # as number() prints them
-        if d.columns:
-            rows = ("{" + ", ".join(row) + "}" for row in zip(*[rows] * d.columns))
-        shape = f"[][{d.columns}]" if d.columns else "[]"
-        return [f"static const {d.kind} {d.name}{shape} = {{{', '.join(rows)}}};"]
+        printed = ", ".join([row] * len(d.values)) % tuple(map(float, values) if d.kind == "double" else values)
+        return [f"static const {d.kind} {d.name}[]{f'[{d.columns}]' if d.columns else ''} = {{{printed}}};"]
 
 
 class OfModel(Scalar):

@@ -5,6 +5,7 @@ statements in the indices that the family binds.
 """
 from __future__ import annotations
 
+from array import array
 from functools import lru_cache
 from hashlib import sha256
 
@@ -216,4 +217,7 @@ def first_of_colour(others, weight: int, step: int):
 @lru_cache(maxsize=64)
 def graph_name(over: Graph) -> str:
     """Graphs are told apart by their content, so that equal ones share their tables."""
-    return "graph_" + sha256(repr((over.edges, over.columns)).encode()).hexdigest()[:8]
+    content = sha256(over.ends.tobytes())
+    for name, values in over.columns:
+        content.update(name.encode() + b"\0" + array("d", values).tobytes())
+    return "graph_" + content.hexdigest()[:8]

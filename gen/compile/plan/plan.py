@@ -205,7 +205,7 @@ def sparse_plan(method, local, coupled, n, overs):
 def joined(overs):
     """The pairs of sites that the edges of some graphs join, each once, in order, as rows of an array."""
     import numpy as np                      # for those alone
-    ends = np.sort(np.concatenate([np.array(o.edges, dtype=np.int64).reshape(-1, 2) for o in overs]), axis=1)
+    ends = np.sort(np.concatenate([o.ends for o in overs]), axis=1)
     high = 1 + int(ends.max(initial=0))
     keys = np.sort(ends[:, 0] * high + ends[:, 1])      # np.unique hashes first, which takes a hundred times as long
     keys = keys[np.diff(keys, prepend=-1) > 0]
