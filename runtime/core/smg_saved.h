@@ -3,6 +3,7 @@
 #ifndef SMG_SAVED_HEADER
 #define SMG_SAVED_HEADER
 
+#include "smg_report.h"
 #include "smg_set_state.h"
 
 enum {
@@ -210,7 +211,7 @@ SMG_RARE static void smg_restore_head(smg_state *s, const smg_real *in) {
   s->history = in[SMG_SAVED_HISTORY] > 0 ? (int)in[SMG_SAVED_HISTORY] : 0;
   s->degree = s->history > 0 ? (int)in[SMG_SAVED_DEGREE] : SMG_NO_DEGREE;
   s->scale = in[SMG_SAVED_SCALE];
-  s->tolerance = in[SMG_SAVED_TOLERANCE];
+  (void)smg_set_tolerance(s, (double)in[SMG_SAVED_TOLERANCE]); /* 0: that of the method */
 #if SMG_THERMAL
   smg_restore_noise(s, in);
 #endif
@@ -230,7 +231,7 @@ SMG_RARE static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   smg_copy(s->w + from, in + SMG_SAVED_HEAD + from, 3 * smg_own_to(&s->c) - from);
   smg_share_ends(&s->c, s->w);
   smg_restore_sites(s, in + SMG_SAVED_HEAD + n3, in + smg_saved_past(&s->c));
-  return SMG_OK;
+  return smg_end_report(s, SMG_OK, -1); /* a member of an ensemble that has failed takes steps again */
 }
 
 #endif

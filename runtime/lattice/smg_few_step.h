@@ -64,12 +64,16 @@ SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pi
     smg_lane_put(a + (SMG_FEW_LOST + q) * pitch, smg_few_gather(s->compensation + 3 * i + q, in, 0));
     smg_lane_put(a + (SMG_FEW_U + q) * pitch, smg_few_gather(s->u + 3 * i + q, in, 0));
   }
+#if SMG_OWN_RADIUS
+  small |= (smg_lane_mask)(radius < smg_lane_of(SMG_SMALL_PART * s->scale));
+#endif
   smg_lane_put(a + SMG_FEW_HALF * pitch, rate);
   smg_lane_put(a + SMG_FEW_RADIUS * pitch, radius);
   return small & smg_lane_below(in);
 }
 
-/* The arrays of a step from the state, u extrapolated; is a component so small that it is watched on its own? */
+/* The arrays of a step from the state, u extrapolated; is a component, or a sphere, so small that it is watched on its
+ * own? */
 static int smg_few_enter(const smg_state *s, smg_real h) {
   const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites), whole = sites - sites % SMG_LANES;
   smg_lane_mask small = smg_lane_all(0);
@@ -116,9 +120,20 @@ SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const
   }
 }
 
+/* The square of how much smaller than others a sphere is: it is watched as if it were as large. */
+SMG_INLINE smg_lanes smg_few_up(SMG_UNUSED const smg_state *s, SMG_UNUSED int64_t pitch, SMG_UNUSED int64_t i,
+                                SMG_UNUSED int small) {
+#if SMG_OWN_RADIUS
+  const smg_lanes r = smg_lane_take(s->few + SMG_FEW_RADIUS * pitch + i),
+                  most = smg_lane_larger(r, smg_lane_of(s->scale));
+  if (small) return most * most / (r * r);
+#endif
+  return smg_lane_of(1);
+}
+
 /* u = h X(m) of the sites of one vector, `in` of them sites of the state, and how far that moved it. */
-SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, int64_t i, int64_t in, int small,
-                             const smg_lanes *g, smg_few_motion *moved) {
+SMG_INLINE void smg_few_turn(const smg_state *s, const smg_told *told, smg_real *a, int64_t pitch, int64_t i,
+                             int64_t in, int small, const smg_lanes *g, smg_few_motion *moved) {
   const smg_lanes rate = 2 * smg_lane_take(a + SMG_FEW_HALF * pitch + i);
   smg_lanes m[3], u[3], before[3], room[3];
   smg_take_from(3, a + SMG_FEW_M * pitch + i, pitch, m);
@@ -130,8 +145,8 @@ SMG_INLINE void smg_few_turn(const smg_told *told, smg_real *a, int64_t pitch, i
   }
   if (small) smg_few_watch(a, pitch, i, u, before, moved);
   smg_put_slots(a + SMG_FEW_U * pitch, pitch, i, u);
-  moved->square = smg_lane_max(moved->square, smg_lane_dot(before, before));
-  moved->size = smg_lane_larger(moved->size, smg_lane_dot(u, u));
+  moved->square = smg_lane_max(moved->square, smg_few_up(s, pitch, i, small) * smg_lane_dot(before, before));
+  moved->size = smg_lane_larger(moved->size, smg_few_up(s, pitch, i, small) * smg_lane_dot(u, u));
 }
 
 /* smg_respond_norm */
@@ -173,7 +188,7 @@ SMG_INLINE smg_few_motion smg_few_evaluate(const smg_state *s, int small, int la
     if (last) smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
     else smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
     if (last) smg_few_rows(&told, s->few, pitch, i, sites - i, g, g[3], &moved);
-    smg_few_turn(&told, s->few, pitch, i, sites - i, small, g, &moved);
+    smg_few_turn(s, &told, s->few, pitch, i, sites - i, small, g, &moved);
   }
   return moved;
 }

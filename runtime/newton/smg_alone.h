@@ -241,10 +241,7 @@ SMG_RARE static smg_status smg_site_follow(smg_state *s, smg_real h, int64_t k, 
   smg_site_whole whole = {s, h, k};
   smg_real room[15];
   smg_curve f;
-  f.of = &whole;
-  f.newton = smg_site_curve_newton;
-  f.sign_of = NULL;
-  smg_begin_curve(&f, 3, s->w + 3 * k, s->scale, room);
+  smg_begin_curve(&f, &whole, smg_site_curve_newton, NULL, 3, s->w + 3 * k, s->scale, room);
   const smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   smg_copy(mbar, f.y, 3);

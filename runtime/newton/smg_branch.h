@@ -26,6 +26,8 @@ SMG_RARE static smg_status smg_curve_newton(void *of, smg_real p, const smg_real
 
 #if SMG_MATRIX_FREE
 SMG_RARE static int smg_curve_sign(void *of) { return smg_sign(((smg_whole *)of)->s); }
+#else
+#define smg_curve_sign NULL
 #endif
 
 /* The solution connected to W = w at h = 0, by its whole curve; or why there is none. */
@@ -35,14 +37,7 @@ SMG_RARE static smg_status smg_follow_branch(smg_state *s, smg_real h) {
 #if SMG_MATRIX_FREE
   SMG_PRODUCTS_LEFT(s) = SMG_MAX; /* its own bounds are those of the curve */
 #endif
-  f.of = &whole;
-  f.newton = smg_curve_newton;
-#if SMG_MATRIX_FREE
-  f.sign_of = smg_curve_sign;
-#else
-  f.sign_of = NULL;
-#endif
-  smg_begin_curve(&f, 3 * smg_sites(&s->c), s->w, s->scale, s->curve);
+  smg_begin_curve(&f, &whole, smg_curve_newton, smg_curve_sign, 3 * smg_sites(&s->c), s->w, s->scale, s->curve);
   smg_status status = smg_follow(&f);
   s->report.reached = f.reached;
   if (status != SMG_OK) {

@@ -73,8 +73,15 @@ typedef struct smg_curve {
   int64_t site, partner;       /* the two sites that move most where the branch turns back, or -1 */
 } smg_curve;
 
-/* A curve of n numbers from w on; room: 5 n numbers. */
-static inline void smg_begin_curve(smg_curve *f, int64_t n, const smg_real *w, smg_real scale, smg_real *room) {
+/* A curve of n numbers from w on; room: 5 n numbers. `newton` need not write those of sites that it does not move. */
+static inline void smg_begin_curve(smg_curve *f, void *of,
+                                   smg_status (*newton)(void *of, smg_real p, const smg_real *y, smg_real *a,
+                                                        smg_real *c, int *sign),
+                                   int (*sign_of)(void *of), int64_t n, const smg_real *w, smg_real scale,
+                                   smg_real *room) {
+  f->of = of;
+  f->newton = newton;
+  f->sign_of = sign_of;
   f->n = n;
   f->w = w;
   f->scale = scale;
@@ -87,7 +94,7 @@ static inline void smg_begin_curve(smg_curve *f, int64_t n, const smg_real *w, s
   f->site = f->partner = -1;
   f->q = 1;
   smg_copy(f->y, w, n);
-  smg_zero(f->t, n);
+  smg_zero(f->t, 3 * n); /* and a and c */
 }
 
 /* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */

@@ -297,7 +297,8 @@ static void kick(smg_real *w) {{
   w[0] = w[1], w[1] = w[2], w[2] = x;
 }}
 
-/* Members in lanes, some of them kicked, one refused, which then takes no more steps until it is set again: the bits of states alone. */
+/* Members in lanes, some of them kicked, two refused, which then take no more steps until one is restored and the other set again: the bits of
+ * states alone. */
 int main(void) {{
   {M}_params p;
   {M}_model model;
@@ -308,12 +309,15 @@ int main(void) {{
   if ({M}_model_init(&model, &p)) return 1;
   for (int k = 0; k < N; ++k) w[3 * k] = 0.6, w[3 * k + 1] = 0.8 * cos(k), w[3 * k + 2] = 0.8 * sin(k);
   void *mem = malloc({M}_ensemble_memsize(&model, 0, N)), *own = malloc({M}_memsize(&model));
+  smg_real *saved = malloc({M}_savesize(&model) * sizeof *saved);
   if ({M}_ensemble_init(&e, &model, 0, N, mem, w, 0, 0.3) || {M}_ensemble_steps(&e, 0, N, INT64_MIN) || {M}_ensemble_steps(&e, 0, N, 17)) return 1;
   for (int k = 0; k < N; k += 2) {{
     memcpy(v, e.member[k].w, sizeof v);
     kick(v);
     if ({M}_set_state(&e.member[k], v)) return 2;
   }}
+  {M}_save(&e.member[3], saved);
+  if ({M}_set_state(&e.member[3], none) != SMG_OFF_MANIFOLD || {M}_restore(&e.member[3], saved) || e.member[3].report.site != -1) return 7;
   if ({M}_set_state(&e.member[1], none) != SMG_OFF_MANIFOLD || {M}_ensemble_steps(&e, 0, N, 21) != 1 || e.member[1].count != 17) return 3;
   memcpy(v, e.member[1].w, sizeof v);
   if ({M}_set_state(&e.member[1], v) || {M}_ensemble_steps(&e, 0, N, 5) != 0 || e.member[1].count != 22) return 4;
@@ -324,7 +328,7 @@ int main(void) {{
     if ((k % 2 == 0 || k == 1) && {M}_set_state(&s, v)) return 6;
     if ({M}_steps(&s, k == 1 ? 5 : 26) || s.count != e.member[k].count || memcmp(s.w, e.member[k].w, sizeof v)) return 10 + k;
   }}
-  free(mem), free(own);
+  free(mem), free(own), free(saved);
   return 0;
 }}
 """

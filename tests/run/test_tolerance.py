@@ -84,6 +84,17 @@ def test_a_saved_state_goes_on_with_its_tolerance(method):
     assert np.array_equal(model.restore(saved).steps(7).w, whole)
 
 
+def test_no_tolerance_in_a_saved_state_is_that_of_the_method():
+    """As 0 is for set_tolerance(); an explicit method would take any step as right."""
+    model = smidgen.build(smidgen.load("irreversible_rigid_body"), method="dop853")
+    model.start([[0.6, 0.8, 0]], h=3.0)
+    saved = model.save()
+    whole = model.steps(3).w.copy()
+    assert saved[10] == 1e-12
+    saved[10] = 0
+    assert np.array_equal(model.restore(saved).steps(3).w, whole)
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize("wrong", [0, -1e-6, 0.5, float("nan"), float("inf"), "1e-6"])
 def test_what_is_no_tolerance_is_refused(wrong):

@@ -30,10 +30,7 @@ int main(void) {
   k.sign = (int)pipe_integer();
   smg_real *room = pipe_room(6 * k.n);
   for (int64_t e = 0; e < k.n; e++) room[e] = 1;
-  f.of = &k;
-  f.newton = newton;
-  f.sign_of = NULL;
-  smg_begin_curve(&f, k.n, room, 1, room + k.n);
+  smg_begin_curve(&f, &k, newton, NULL, k.n, room, 1, room + k.n);
   pipe_put(smg_follow(&f));
   pipe_put((double)f.reached);
   pipe_put((double)(f.y[0] - 1));

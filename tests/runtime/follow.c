@@ -1,6 +1,6 @@
 /* Curves that are known: one component goes from w0 to w0 + s x, s = 1 or -1, with p = (c1 x + c2 x^2 + c3 x^3)/(1 + d x),
  * the one three places before or after by half of that, from 1; all others stay, at 0 in
- * the site of the first, else at 1. Past x = limit no Newton matrix can be factored. In: n, the component, s, w0, c1, c2, c3, d, limit. Out: status, reached, site, partner, s x, and how
+ * the site of the first, else at 1, and Newton writes nothing of sites beyond the second. Past x = limit no Newton matrix can be factored. In: n, the component, s, w0, c1, c2, c3, d, limit. Out: status, reached, site, partner, s x, and how
  * far the other went. */
 #include "pipe.h"
 #include "smg_follow.h"
@@ -19,7 +19,7 @@ static smg_status newton(void *of, smg_real p, const smg_real *y, smg_real *a, s
   const smg_real x = (smg_real)k->side * (y[k->own] - k->w0), below = 1 + k->d * x, top = ((k->c3 * x + k->c2) * x + k->c1) * x;
   const smg_real slope = ((3 * k->c3 * x + 2 * k->c2) * x + k->c1 - k->d * top / below) / below;
   if (x > k->limit) return SMG_SINGULAR;
-  for (int64_t e = 0; e < k->n; e++) {
+  for (int64_t e = 0; e < 6; e++) {
     a[e] = rest(k, e) - y[e];
     c[e] = 0;
   }
@@ -39,11 +39,9 @@ int main(void) {
   smg_real *w = pipe_room(k.n), *room = pipe_room(5 * k.n);
   pipe_take(1, &k.w0), pipe_take(1, &k.c1), pipe_take(1, &k.c2), pipe_take(1, &k.c3), pipe_take(1, &k.d);
   pipe_take(1, &k.limit);
+  for (int64_t e = 0; e < 5 * k.n; e++) room[e] = 7; /* as steps before may leave it */
   for (int64_t e = 0; e < k.n; e++) w[e] = e == k.own ? k.w0 : rest(&k, e);
-  f.of = &k;
-  f.newton = newton;
-  f.sign_of = NULL;
-  smg_begin_curve(&f, k.n, w, 1, room);
+  smg_begin_curve(&f, &k, newton, NULL, k.n, w, 1, room);
   pipe_put(smg_follow(&f));
   pipe_put((double)f.reached);
   pipe_put((double)f.site);

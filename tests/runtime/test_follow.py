@@ -25,6 +25,13 @@ def test_a_curve_without_a_fold_ends_at_its_solution(make, build, coefficients, 
 
 
 @pytest.mark.quick
+def test_sites_that_are_solved_separately_are_no_part_of_a_curve(make):
+    """Whatever stands in the memory of the curve at their places."""
+    program, whole = make("gcc-sanitized", "follow"), (1.25, 0, 0)
+    assert np.array_equal(follow(program, whole, n=12), follow(program, whole)) and follow(program, whole, n=12)[0] == OK
+
+
+@pytest.mark.quick
 def test_a_curve_that_leads_too_far_is_not_vouched_for(make):
     """It goes a hundred times as far as it began, and there p = 1."""
     assert follow(make("gcc-sanitized", "follow"), (1 / 99, 0, 0))[0] == OK

@@ -53,9 +53,13 @@ def test_the_same_bits_for_any_number_of_lanes_and_threads(monkeypatch):
     assert np.array_equal(one, two)
 
 
-def test_the_memory_of_a_state_has_what_stands_beside_rows(tmp_path):
+BY_FIELD = ("gauss-4", "dop853", "extrapolation-12")
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", *BY_FIELD])
+def test_the_memory_of_a_state_has_what_stands_beside_rows(tmp_path, method):
     """Small, so that the rest of it is small too."""
-    files = generate(shells("second", 2, "open", "second"))
+    files = generate(shells("second", 2, "open", "second"), method=method)
     for file, text in {**files, "main.c": ASKED.format(name="second")}.items():
         (tmp_path / file).write_text(text)
     subprocess.run(["gcc", "-std=gnu11", "-w", "-O0", *include_flags(), *map(str, (tmp_path / "main.c", tmp_path / "second.c")), "-o", str(tmp_path / "asked"), "-lm"], check=True)
@@ -64,6 +68,6 @@ def test_the_memory_of_a_state_has_what_stands_beside_rows(tmp_path):
     assert "row_kinds" in files["second.h"] and "row_kinds" not in generate(lattice("near", "cube.near", 6, "6*n*n", EXCHANGE, SHELLS.format("periodic")))["near.h"]
 
 
-def test_collocation_keeps_to_the_stack():
-    reason = generate(SPECS["second"], method="gauss-4").notes["reason"]
-    assert "because `more` reaches too far" in reason and not by_rows(SPECS["second"], "gauss-4")
+@pytest.mark.parametrize("method", [pytest.param(m, marks=() if m == "gauss-4" else pytest.mark.long) for m in BY_FIELD])
+def test_methods_that_ask_for_the_field_alone(method):
+    assert by_rows(SPECS["second"], method) and close(SPECS["second"], method, steps=1) <= 2e-14

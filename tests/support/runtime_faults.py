@@ -104,7 +104,7 @@ FAULTS = {
     "a sign after a restore": Fault("restore", SAVED, "  smg_copy(s->w + from, in + SMG_SAVED_HEAD + from, 3 * smg_own_to(&s->c) - from);", "  smg_copy(s->w + from, in + SMG_SAVED_HEAD + from, 3 * smg_own_to(&s->c) - from);\n  s->w[0] = -s->w[0];", BODY),
     "a save without compensation": Fault("restore", SAVED, "  smg_copy(lost, s->compensation, 3 * smg_sites(&s->c));", "  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) lost[k] = 0;", BODY),
     "a restore of rows without compensation": Fault("restore", STATE, "  smg_to_slots(s, lost, s->row_compensation);", "  (void)lost;", CHAIN),
-    "a restore without the tolerance": Fault("restore", SAVED, "  s->tolerance = in[SMG_SAVED_TOLERANCE];", "  s->tolerance = 0;", CUBIC),
+    "a restore without the tolerance": Fault("restore", SAVED, "  (void)smg_set_tolerance(s, (double)in[SMG_SAVED_TOLERANCE]); /* 0: that of the method */", "  s->tolerance = 0;", CUBIC),
     "after t = 9.9": Fault("whole space", "smg_single_sphere.h", "  smg_sphere_commit(s, &f);\n  s->report.iterations = 1;", "  smg_found wrong = f;\n  if (smg_time_at(s, 0) > (smg_real)9.9) wrong.W = smg_vec_add(f.W, smg_vec_scale((smg_real)1e-6, f.v));\n  smg_sphere_commit(s, &wrong);\n  s->report.iterations = 1;", BODY),
     "the second thread": Fault("threads", "smg_row_team.h", "SMG_INLINE smg_share smg_share_of_thread(smg_share all) { return smg_part_of(all, smg_thread(), smg_threads()); }",
                                "SMG_INLINE smg_share smg_share_of_thread(smg_share all) {\n  smg_share part = smg_part_of(all, smg_thread(), smg_threads());\n  if (smg_thread() == 1 && part.to > part.from) part.to -= SMG_WIDEST;\n  return part;\n}", CHAIN),

@@ -15,7 +15,7 @@ from ...resources import runtime_numbers
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS
-from ..plan.colouring import FEW_KINDS, KNOWN, Colouring, colouring, kinds_of_rows
+from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
@@ -109,7 +109,7 @@ def rows_of(model, low, over, some, laws):
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
     found = Rows(over, colouring(lattices(model)), *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely)
-    if not fits(found, lattices(model), KNOWN if bounded else FEW_KINDS):
+    if not fits(found, lattices(model)):
         return f"{longest(model)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
     alone = sited(low, apart, first, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
     overs = {whole.get(t.prefix, t).prefix: t.over for t in model.fields}
@@ -200,13 +200,13 @@ def kinds_size(model) -> int:
     return 5 * entries + norms if entries > runtime_numbers()["SMG_AT_HAND"][0] else 0
 
 
-def fits(found: Rows, lattices, kinds: int = KNOWN) -> bool:
+def fits(found: Rows, lattices) -> bool:
     """Several colours of equally many sites; bonds that begin in the cell of a member, and reach no further than vectors may."""
     c = found.colours
     even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
     near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
     based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= kinds
+    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
 
 
 def alike(model, low, whole, bounds, which: int) -> tuple:
