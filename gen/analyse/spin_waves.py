@@ -23,7 +23,7 @@ from ..run.fields.grid import Grid, family_of, of
 from ..run.settings import whole
 from ..run.step.evaluated import Evaluated
 from ..run.step.prepared import asked, scene_of
-from ..run.step.start import put_away, state_at, wrong_start
+from ..run.step.start import given_or_at, state_at, wrong_start
 from .waves import rows, waves
 
 FLAT = 1e-9         # of the largest curvature: what is lowered less is round-off
@@ -109,7 +109,7 @@ def state_of(numbers: Evaluated, start, seed) -> np.ndarray:
     count = sum(number for _, number in numbers.places.values())
     if start.shape != (count, 3):
         raise UsageError(f"a state of {numbers.spec.name} has shape ({count}, 3), not {start.shape}")
-    w = put_away(numbers, np.array(start, float))
+    w = given_or_at(numbers, start)
     if why := wrong_start(numbers, w):
         raise UsageError(f"the state cannot be used as a start{why}")
     return w

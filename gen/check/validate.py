@@ -25,7 +25,7 @@ from ..read.shipped import SpecLike, spec_or_name
 from ..run.settings import Settings, model_of, settle
 from ..run.step.evaluated import casimir_matrices
 from ..run.step.prepared import scene_of
-from ..run.step.start import put_away, state_at
+from ..run.step.start import given_or_at
 from ..tables import text_of
 from .witness import EQUATIONS, Witness
 
@@ -155,12 +155,9 @@ class Case:
         self.w = self._start(spec, s)
 
     def _start(self, spec, s):
-        numbers = s.numbers.of(scene_of(spec, s.effects, s.parameters))
-        if isinstance(s.start, np.ndarray):
-            return put_away(numbers, np.array(s.start, dtype=float))
         if s.start is None and not spec.starts:
             return self.on_spheres(self.dice.standard_normal((self.witness.sites, 3)))
-        return state_at(numbers, s.start, s.seed)
+        return given_or_at(s.numbers.of(scene_of(spec, s.effects, s.parameters)), s.start, s.seed)
 
     def on_spheres(self, w):
         """Each w_i of a sphere scaled to its radius; the others as they are."""

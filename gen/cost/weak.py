@@ -11,8 +11,6 @@ import time as clock
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import DEFAULT, METHODS
@@ -20,7 +18,7 @@ from ..run.many.average import Job
 from ..run.record.means import BINS
 from ..run.settings import Settings
 from ..run.step.prepared import choose as one_of, scene_of
-from ..run.step.start import state_at
+from ..run.step.start import given_or_at
 from ..tables import text_of
 from .measure.case import asked_time
 from .report import CostTable, duration, label, shown, table_of
@@ -97,10 +95,8 @@ def weak_cost(spec: Spec, settings: Settings, time, methods: Iterable[str] | Non
 
 def one_start(spec: Spec, settings: Settings) -> Settings:
     """The same from the vectors of the start: those of a random one would differ with the seeds of the rows."""
-    if isinstance(settings.start, np.ndarray):
-        return settings
     numbers = settings.numbers.of(scene_of(spec, settings.effects, settings.parameters))
-    return dataclasses.replace(settings, start=state_at(numbers, settings.start, settings.seed))
+    return dataclasses.replace(settings, start=given_or_at(numbers, settings.start, settings.seed))
 
 
 def row_of(spec: Spec, settings: Settings, whole: float, method: str, steps: int, what, seconds: float, k: int) -> WeakRow:

@@ -10,7 +10,7 @@ from ...extremes import largest
 from ...language.expr import Time, walk
 from ...language.spec import Spec
 from ...run.settings import Settings
-from ...run.step.start import put_away, state_at
+from ...run.step.start import given_or_at, put_away
 from ..witness import LARGEST_DENSE, Witness
 from .leaves import LONG, Leaves, lengths
 
@@ -45,11 +45,9 @@ class Case:
 
     def _start(self):
         s = self.settings
-        if isinstance(s.start, np.ndarray):
-            return put_away(self.numbers, np.array(s.start, dtype=float))
         if s.start is None and not self.spec.starts:
             return np.array(self.leaves.polished(self.dice.standard_normal((self.witness.sites, 3))), float)
-        return state_at(self.numbers, s.start, s.seed)
+        return given_or_at(self.numbers, s.start, s.seed)
 
     def of_tier(self, table: dict):
         """The entry of the tier; a number of steps asks for the normal one."""

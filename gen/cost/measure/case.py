@@ -11,12 +11,11 @@ from ...language.spec import Spec
 from ...methods import METHODS
 from ...read.given import time as time_of
 from ...run.record.conserved import driven, with_tracers
-from ...run.step.evaluated import Evaluated
 from ...run.step.integrator import Integrator
 from ...run.settings import Settings, model_of, number
 from ...run.step.noise import refuse_with_noise
 from ...run.step.prepared import scene_of
-from ...run.step.start import put_away, state_at
+from ...run.step.start import given_or_at
 from .clock import processor_seconds
 
 
@@ -33,7 +32,7 @@ class Case:
         self.models, self.refused, self.compiled, self.peers = {}, {}, {}, {}
         scene = scene_of(spec, settings.effects, settings.parameters)
         refuse_with_noise(scene, "`choose`", "the error of a mean is only known to within its standard error: `smidgen cost` shows it for every method and step")
-        self.w = self._start(settings.numbers.of(scene))
+        self.w = given_or_at(settings.numbers.of(scene), settings.start, settings.seed)
         any_model = self.model(settings.method)
         if any_model is None:
             raise UsageError(self.refused[settings.method, "double"])
@@ -41,12 +40,6 @@ class Case:
         self.rate = float(np.linalg.norm(np.asarray(any_model.field(), float), axis=1).max())
         self.size = float(np.linalg.norm(self.w, axis=1).max())
         self.energy_changes, self.conservative = driven(any_model.scene), any_model.scene.conservative
-
-    def _start(self, numbers: Evaluated) -> np.ndarray:
-        s = self.settings
-        if isinstance(s.start, np.ndarray):
-            return put_away(numbers, np.array(s.start, float))
-        return np.array(state_at(numbers, s.start, s.seed), float)
 
     def model(self, method: str, real: str = "double") -> Integrator | None:
         """The compiled model, from memory; None where the method refuses the spec: `refused` says why."""

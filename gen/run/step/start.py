@@ -54,6 +54,11 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
     return put_away(numbers, np.concatenate(parts))
 
 
+def given_or_at(numbers: Evaluated, start, seed: int | None = None) -> np.ndarray:
+    """A state that is given as an array, with absent sites where all states have them; else as `state_at`."""
+    return put_away(numbers, np.array(start, dtype=float)) if isinstance(start, np.ndarray) else state_at(numbers, start, seed)
+
+
 def part_of_state(numbers: Evaluated, start: str | Start | None, seed: int | None, first: int, count: int) -> np.ndarray:
     """Some sites of the state at a start of a spec with one family, shape (count, 3); absent sites stand as the start has them."""
     return _of_family(numbers, 0, find_start(numbers.spec, start).families[0], (first, count), seed)
