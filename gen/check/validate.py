@@ -32,7 +32,10 @@ from .witness import EQUATIONS, Witness
 STEPS = 100             # compared where nobody says how many
 ROUND_OFF = 1e-13       # agreement asked for, in units of the largest number compared
 SENSITIVE = 10.0        # a tangent map that grows less than this excuses nothing
-NUDGE = 1e-7            # size of the perturbation that measures the growth
+NUDGE = 1e-7            # size of the perturbation that measures the growth, in units of |w|
+LINEAR = 1e5            # growth beyond which the perturbation, then a hundredth of |w|, measures none: what follows is not compared
+STIR = 1e-9             # relative change of w and of t that shows how a formula enlarges round-off
+TINY = float(np.finfo(float).tiny)
 EPSILON = 2.0 ** -52
 DENSE = 128             # sites: above, a step is checked by its residual
 STIFF = 30              # sites: above, the implicit reference flow is left out
@@ -153,6 +156,7 @@ class Case:
         self.dice = generator("validate")
         self.model = model_of(spec, s)
         self.w = self._start(spec, s)
+        self.compared = s.steps     # after which the states are compared
 
     def _start(self, spec, s):
         if s.start is None and not spec.starts:
@@ -172,7 +176,7 @@ class Case:
 
     def nudged(self):
         """The start moved by NUDGE, in a random direction, on its spheres."""
-        return self.on_spheres(self.w + NUDGE * self.dice.uniform(-1, 1, self.w.shape))
+        return self.on_spheres(self.w + NUDGE * np.linalg.norm(self.w, axis=1)[:, None] * self.dice.uniform(-1, 1, self.w.shape))
 
     def begin(self, w, h):
         self.model.start(np.array(w), h=h)
@@ -203,7 +207,7 @@ def field_lines(case: Case) -> list[Line]:
     """Worst of the random states, each in units of its own bound."""
     seen, refused = {}, 0
     for _ in range(case.points):
-        w, t = case.random_state(), float(case.dice.uniform(0, 10))
+        w, t = case.random_state(), float(case.dice.uniform(0, STEPS * case.settings.h))
         case.begin(case.w, case.settings.h)
         try:
             found = compare_at(case, w, t)
@@ -227,35 +231,39 @@ def in_bounds(pair) -> float:
 def compare_at(case, w, t) -> dict:
     """{'field': (difference, bound), 'energy': ...} at one state and time.
 
-    Bounds: ROUND_OFF of the largest number, and what a change of w by some units in the
+    Bounds: ROUND_OFF of the largest number, and what a change of w and t by some units in the
     last place does to it (a difference of nearly equal numbers loses digits).
     """
-    b, e = case.witness.field(w, t), case.witness.energy(w, t)
-    moved = w * (1 + 1e-9 * case.dice.uniform(-1, 1, w.shape))
-    scatter = difference(case.witness.field(moved, t), b) / 1e-9 * 32 * EPSILON
-    power = float(np.sum(np.abs(b) * np.abs(w) * np.abs(case.witness.kappa)[:, None]))
+    one = case.witness
+    b, parts = one.field(w, t), one.energies(w, t)
+    power = float(np.sum(np.abs(b) * np.abs(w) * np.abs(one.kappa)[:, None]))
     return {
-        "field": (difference(case.model.field(w, t), b),
-                  ROUND_OFF * largest(1, np.abs(b).max()) + scatter),
-        "energy": (difference(case.model.energy(w, t), e), ROUND_OFF * largest(1, abs(e), power)),
+        "field": (difference(case.model.field(w, t), b), ROUND_OFF * largest(TINY, np.abs(b).max()) + scatter(case, one.field, w, t)),
+        "energy": (difference(case.model.energy(w, t), sum(parts.values())),
+                   ROUND_OFF * largest(TINY, power, *np.abs(list(parts.values()))) + scatter(case, one.energy, w, t)),
     }
+
+
+def scatter(case: Case, number, w, t) -> float:
+    """What 32 units in the last place of w and of t do to the numbers of the witness."""
+    at = number(w, t)
+    return (difference(number(stirred(case, w), t), at) + difference(number(w, t * (1 + STIR)), at)) / STIR * 32 * EPSILON
+
+
+def stirred(case: Case, w):
+    return w * (1 + STIR * case.dice.uniform(-1, 1, w.shape))
 
 
 def value_lines(case: Case) -> list[Line]:
     """Energy of each effect, momentum, observables and Casimirs: the columns of a run, at the start."""
     model = case.begin(case.w, case.settings.h)
-    mine = {**expected_values(case.witness, case.w, 0.0), "casimirs": expected_casimirs(case.witness, case.w)}
+    mine, near = ({**expected_values(case.witness, w, 0.0), "casimirs": expected_casimirs(case.witness, w)} for w in (case.w, stirred(case, case.w)))
     columns = {**dict(zip(model.columns, model.values())), "casimirs": model.casimirs()}
-    found = [(difference(value, mine[name]), ROUND_OFF * largest(1, size_of(case, mine[name])), name)
+    found = [(difference(value, mine[name]), ROUND_OFF * largest(TINY, np.abs(mine[name]).max(), difference(near[name], mine[name]) / STIR), name)
              for name, value in columns.items()]
     measured, bound, worst = with_largest(found, in_bounds)
     return [agreement("values at the start", measured, bound, f"{len(columns)} columns, "
                       f"worst: {worst}")]
-
-
-def size_of(case, value):
-    """Largest number that summing n terms of order one may pass through."""
-    return largest(np.abs(value).max(), math.sqrt(case.witness.sites))
 
 
 def expected_casimirs(one: Witness, w) -> np.ndarray:
@@ -288,12 +296,20 @@ def compare_steps(case: Case):
     s = case.settings
     mine = case.witness.steps(case.w, 0.0, s.h, s.steps, s.method)
     other = case.witness.steps(case.nudged(), 0.0, s.h, s.steps, s.method)
-    growth = difference(other, mine) / NUDGE
+    apart = np.abs(other - mine).max(axis=(1, 2)) / (NUDGE * size(case.w))
+    case.compared = max(1, int(np.argmax(apart > LINEAR)) - 1) if np.any(apart > LINEAR) else s.steps
+    growth, upto = largest(*apart[:case.compared + 1]), slice(case.compared + 1)
     compiled = trajectory(case, case.w, s.h, s.steps)
-    scale = size(mine)
-    allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * scale * (growth if growth > SENSITIVE else 1.0)
-    note = f"tangent map grows {growth:.3g}" + (", allowed for" if growth > SENSITIVE else "")
-    return [agreement(f"{s.steps} steps", difference(compiled, mine), allowed, note)], growth
+    note = f"tangent map grows {growth:.3g}" + (", allowed for" if growth > SENSITIVE else "") + (
+        f"; compared for {case.compared} steps, then it grows beyond {LINEAR:g}" * (case.compared < s.steps))
+    return [agreement(f"{s.steps} steps", difference(compiled[upto], mine[upto]), allowed(case, mine, growth), note)], growth
+
+
+def allowed(case: Case, states, growth) -> float:
+    """The bound of a difference of states: of each hundred steps, and as the tangent map grows."""
+    s = case.settings
+    return ((FLOOR if METHODS[s.method].controlled else ROUND_OFF) * size(states) * (growth if growth > SENSITIVE else 1.0)
+            * max(1.0, case.compared / STEPS))
 
 
 def compare_noise(case, spec, growth) -> list[Line]:
@@ -304,8 +320,8 @@ def compare_noise(case, spec, growth) -> list[Line]:
     mine = one.steps(case.w, 0.0, s.h, s.steps, s.method)
     model = model_of(spec, s).start(np.array(case.w), h=s.h, seed=s.seed)
     found = np.array([mine[0], *(np.array(model.step().w, float) for _ in range(s.steps))])
-    allowed = (FLOOR if METHODS[s.method].controlled else ROUND_OFF) * size(mine) * (growth if growth > SENSITIVE else 1.0)
-    return [agreement(f"{s.steps} steps with noise", difference(found, mine), allowed)]
+    upto = slice(case.compared + 1)
+    return [agreement(f"{s.steps} steps with noise", difference(found[upto], mine[upto]), allowed(case, mine, growth))]
 
 
 def compare_residuals(case):
@@ -316,8 +332,7 @@ def compare_residuals(case):
         before = np.array(model.w, float)
         model.step()
         worst = largest(worst, case.witness.residual(before, model.w, k * s.h, s.h, s.method))
-    allowed = ROUND_OFF * size(model.w)
-    return agreement(f"residual of {s.steps} steps", worst, allowed,
+    return agreement(f"residual of {s.steps} steps", worst, ROUND_OFF * size(model.w),
                      f"more than {DENSE} sites, so the witness takes no steps of its own")
 
 
@@ -356,15 +371,17 @@ def compare_flow(case: Case) -> list[Line]:
 
 
 def size(w) -> float:
-    return largest(1.0, np.abs(w).max())
+    """The largest |w_i|."""
+    return largest(TINY, np.linalg.norm(w, axis=-1).max())
 
 
 def moving(case):
     """The start; where it is at rest, a state beside it."""
     speed = float(np.abs(case.witness.vector_field(case.w, 0.1 * case.settings.h)).max())
-    if speed > 1e-6 * size(case.w):
+    if abs(case.settings.h) * speed > 1e-7 * size(case.w):
         return case.w
-    return case.on_spheres(case.w + 0.1 * case.dice.standard_normal(case.w.shape))
+    length = np.linalg.norm(case.w, axis=1)[:, None]
+    return case.on_spheres(case.w + 0.1 * np.where(length > 0, length, 1) * case.dice.standard_normal(case.w.shape))
 
 
 def converge(case, start):

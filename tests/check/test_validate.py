@@ -179,3 +179,49 @@ def test_reports_as_json_and_text():
     assert "FAILED" in report.text() and "why" in report.text()
     with pytest.raises(ValidationError, match="b: nan, bound a result why"):
         report.check()
+
+
+# -- bounds are relative -----------------------------------------------------------------------------
+
+SMALL = """
+[model]
+name = "small"
+[space]
+w = {{ sphere = 2, radius = 1e-13, kappa = 1e-13 }}
+[effects.field]
+over = "site(i) of w"
+energy = "w[i].x^2 + {}*w[i].y^2"
+[effects.coupling]
+energy = "dot(w[0], w[1])"
+[starts.any]
+w = {{ random = 3 }}
+[runs.demo]
+start = "any"
+h = 0.1
+steps = 10
+"""
+
+
+@pytest.mark.quick
+def test_short_vectors_are_compared_in_units_of_their_length(monkeypatch):
+    right, wrong = (smidgen.load_text(SMALL.format(a)) for a in (0.3, 0.5))
+    validate(right).check()
+    monkeypatch.setattr(module, "model_of", lambda spec, *settings: model_of(wrong, *settings))
+    assert {x.check for x in validate(right).lines if not x.passed} == {
+        "field", "energy", "values at the start", "100 steps", "order of convergence"}
+
+
+@pytest.mark.quick
+def test_times_are_those_of_the_run():
+    """At t = 10 the phase of such a field has an error of 0.01."""
+    w = Spin("w", 0)
+    value = Op("*", (Op("cos", (Op("*", (Num(2e13), Time())),)), Op("x", (w,))))
+    spec = dataclasses.replace(pulsed(), effects=(dataclasses.replace(pulsed().effects[0], value=Op("*", (Num(1e13), value))),))
+    validate(with_run(spec, h=1e-15)).check()
+
+
+@pytest.mark.quick
+def test_a_chaotic_orbit_is_compared_as_far_as_growth_can_be_measured():
+    spec = with_run(smidgen.load(folder("specs") / "forced_rigid_body.toml"), h=np.pi / 10, vectors=((np.sin(0.02), np.cos(0.02), 0.0),))
+    report = validate(spec, parameters={"eps": 0.07}, steps=4000).check()
+    assert "compared for" in report.lines[3].note and report.growth <= module.LINEAR

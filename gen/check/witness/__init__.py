@@ -194,7 +194,7 @@ class Witness:
         """The exact solution at `times` (monotone, from t0 on): shape (len(times), sites, 3).
 
         integrator: "rk8pd" (explicit, order 8), "bsimp" (implicit extrapolation) or "msbdf";
-        tol bounds the local error, absolute and relative.
+        tol bounds the local error, relative to each component and to the largest one of the start.
         """
         number = _choose("integrator", integrator, INTEGRATORS)
         if number:

@@ -56,8 +56,15 @@ static int march(flow *f, gsl_odeiv2_driver *d, double t, double *y, const doubl
   return OK;
 }
 
-/* States at the `count` times (monotone from t0), error per step below tol (relative and
- * absolute). `y` holds the start and is overwritten. integrator: 0 rk8pd, 1 bsimp, 2 msbdf. */
+/* The largest component, by which errors of small ones are measured; 1 where all are 0. */
+static double largest_of(const double *y, size_t n) {
+  double found = 0;
+  for (size_t v = 0; v < n; v++) found = fmax(found, fabs(y[v]));
+  return found > 0 ? found : 1;
+}
+
+/* States at the `count` times (monotone from t0), error per step below tol (relative to each component and to the
+ * largest one). `y` holds the start and is overwritten. integrator: 0 rk8pd, 1 bsimp, 2 msbdf. */
 int witness_flow(const system_t *s, int integrator, double tol, double t0, double *y,
                  const double *times, int64_t count, double *out) {
   const size_t n = (size_t)(3 * s->sites);
@@ -65,7 +72,7 @@ int witness_flow(const system_t *s, int integrator, double tol, double t0, doubl
   gsl_odeiv2_system ode = {rate, rate_derivative, n, &f};
   const double first = count > 0 && times[count - 1] < t0 ? -1e-3 : 1e-3;
   gsl_set_error_handler_off();
-  gsl_odeiv2_driver *d = gsl_odeiv2_driver_alloc_y_new(&ode, stepper(integrator), first, tol, tol);
+  gsl_odeiv2_driver *d = gsl_odeiv2_driver_alloc_y_new(&ode, stepper(integrator), first, tol * largest_of(y, n), tol);
   int status = d && f.memory ? OK : NO_MEMORY;
   if (status == OK) {
     f.w = f.memory;
