@@ -236,3 +236,50 @@ def test_no_bond_of_several_families_joins_a_site_to_itself(method, tmp_path):
     short = [lambda n, m: n < 3, lambda n, m: n == 1 and m < 3, lambda n, m: False, lambda n, m: n == 1 or m == 1, lambda n, m: n < 3 or m < 3]
     assert [[place for place in AROUND if not accepted(spec, place)] for spec in specs] == [[place for place in AROUND if is_short(*place)] for is_short in short]
     refuses_what_the_reader_refuses(tmp_path, specs, INIT, AROUND, method)
+
+
+COUNTED = """
+[model]
+name = "counted{number}"
+[space]
+a = {{ sphere = "n" }}
+b = {{ sphere = "m" }}
+[parameters]
+n = 4
+m = 4
+k = 4
+J = {{ default = 1.0, size = "m" }}
+[lattices.ring]
+size = ["k"]
+boundary = "periodic"
+bonds.near = [{{ offset = [1] }}]
+[graphs.path]
+edges = [[0, 1], [1, 2], [2, 3]]
+[effects.near]
+over = "{over}"
+energy = "{energy}"
+[effects.field]
+over = "site(i) of {other}"
+energy = "{other}[i].z"
+"""
+UNNAMED = [("bond(i of a, j of b) of ring.near", "J[j]*a[i].x", "b"), ("edge(i, j) of path on b", "J[j]", "a"), ("bond(i, j) of ring.near on b", "J[j]", "a")]
+FILLED = """
+static void try_{name}(int64_t n, int64_t m, int64_t k) {{
+  double J[8];
+  for (int e = 0; e < 8; ++e) J[e] = 1;
+  {name}_params p;
+  {name}_model model;
+  {name}_defaults(&p);
+  p.n = n;
+  p.m = m;
+  p.k = k;
+  p.J = J;
+  printf("%d ", (int){name}_model_init(&model, &p));
+}}
+"""
+
+
+def test_families_that_no_formula_names_have_the_sites_of_their_bonds(tmp_path):
+    """Their numbers are places in an array."""
+    specs = [load_text(COUNTED.format(number=k, over=over, energy=energy, other=other)) for k, (over, energy, other) in enumerate(UNNAMED)]
+    refuses_what_the_reader_refuses(tmp_path, specs, FILLED, [(n, m, k) for n in (3, 4, 5) for m in (2, 3, 4, 5) for k in (3, 4)])

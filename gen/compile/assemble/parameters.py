@@ -121,7 +121,7 @@ def lattice_checks(model, t) -> list:
     ends = [combinations(zip(families_of(t.over).values(), bond), 2) for bond in t.over.bonds]
     found += [check for pairs in ends for (f, a), (g, b) in pairs if f == g for check in closed_upon_itself(t.over, sizes, a, b)]
     product = times(*sizes, t.over.sites)
-    for f in dict.fromkeys(f for f, _ in t.slots):
+    for f in families_in(t):
         count = model.by_name[f].count
         found += refuse(compare(count, "!=", product)) if count != product else ()
     return found
@@ -148,4 +148,9 @@ def closed_upon_itself(over: Lattice, sizes, a, b) -> tuple:
 
 def graph_checks(model, t) -> list:
     """Every family that an edge meets has the sites that the graph names."""
-    return [check for f, _ in t.slots for check in refuse(compare(model.by_name[f].count, "<=", t.over.highest))]
+    return [check for f in families_in(t) for check in refuse(compare(model.by_name[f].count, "<=", t.over.highest))]
+
+
+def families_in(t) -> dict:
+    """Of its vectors, and those that its bonds join: their numbers may be places in arrays."""
+    return dict.fromkeys([*(f for f, _ in t.slots), *families_of(t.over).values()])
