@@ -52,6 +52,9 @@ def branch(case: Case, subject) -> list[Row]:
     case.unseen.append(f"whether steps other than the {taken} long ones tried are on the branch")
     undecided = f", {found.count(None)} of them undecided" * (None in found)
     wrong = found.count(False)
+    if found.count(None) == len(found):
+        case.unseen.append("whether long steps end on another branch: none could be followed back")
+        return [not_applicable("branch", f"none of {taken} long steps could be followed back to h = 0")]
     note = f"{taken} long steps, {len(found)} followed back to h = 0{undecided}; on another branch: {wrong}"
     return [at_most("branch", wrong / max(len(found), 1), SHARE, note)]
 
@@ -63,7 +66,7 @@ def places(case: Case):
     for k, w in enumerate(repeated(case, spread(case, count))):
         t = times[k % len(times)]
         try:
-            fastest = float(lengths(case.witness.field(w, t)).max())
+            fastest = case.fastest(w, t)
             lost = float(cancelled(case, w, t).max())
         except RunError:
             continue
@@ -86,7 +89,7 @@ def repeated(case: Case, states):
     for k, w in enumerate(states):
         period = PERIODS[k % len(PERIODS)]
         again = w[np.arange(case.sites) % period] + NEARLY * lengths(w)[:, None] * case.dice.uniform(-1, 1, w.shape)
-        yield w if period == 1 else np.array(case.leaves.polished(again), float)
+        yield w if period == 1 else case.placed(again)
 
 
 def step(subject, w, t, h):

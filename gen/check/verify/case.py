@@ -1,6 +1,8 @@
 """What is examined and where: the run, the independent interpreter, states and times to look at."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...chance import generator
@@ -46,7 +48,7 @@ class Case:
     def _start(self):
         s = self.settings
         if s.start is None and not self.spec.starts:
-            return np.array(self.leaves.polished(self.dice.standard_normal((self.witness.sites, 3))), float)
+            return self.placed(self.dice.standard_normal((self.witness.sites, 3)))
         return given_or_at(self.numbers, s.start, s.seed)
 
     def of_tier(self, table: dict):
@@ -63,7 +65,7 @@ class Case:
 
     def _probe(self):
         """A step that turns the fastest site by TURN: a defect of order h^3 does not hide at a small h."""
-        fastest = largest(*(lengths(self.witness.field(self.w, t)).max() for t in self.times()[:4]))
+        fastest = largest(*(self.fastest(self.w, t) for t in self.times()[:4]))
         h = TURN / fastest if fastest > 0 else abs(self.h)
         return float(np.copysign(max(h, abs(self.h)), self.h))
 
@@ -75,8 +77,8 @@ class Case:
         if not self.timed:
             return [0.0]
         span = self.end()
-        dice = generator("times")
-        found = [0.0, *(float(np.round(span * x * 1024) / 1024) for x in np.sort(dice.uniform(size=CANDIDATES)))]
+        grain, dice = 2.0 ** min(math.frexp(span)[1], 0) / 1024, generator("times")     # t + h is then exact
+        found = [0.0, *(float(np.round(span * x / grain) * grain) for x in np.sort(dice.uniform(size=CANDIDATES)))]
         return sorted(found, key=lambda t: -self.change(t))
 
     def end(self) -> float:
@@ -88,10 +90,23 @@ class Case:
         at = self.witness.vector_field
         return float(np.abs(at(self.w, t + self.h / 2) - at(self.w, t)).max())
 
+    def fastest(self, w, t: float) -> float:
+        """|R| of the site where it is largest, w' = grad C(w) x R: the field, and what dampings and torques add to it."""
+        return float(lengths(self.witness.turning(w, t)).max())
+
+    @property
+    def moving(self) -> np.ndarray:
+        """Which sites move; a zero vector of R^3 does not."""
+        return self.numbers.moving & (lengths(self.w) > 0)
+
+    def placed(self, w) -> np.ndarray:
+        """w on its spheres, with absent sites where they are kept."""
+        return put_away(self.numbers, np.array(self.leaves.polished(w), float))
+
     def nudged(self, size: float) -> np.ndarray:
         """A state about size*|w| away from the start, on its spheres."""
         away = self.w + size * lengths(self.w)[:, None] * self.dice.uniform(-1, 1, self.w.shape)
-        return put_away(self.numbers, np.array(self.leaves.polished(away), float))
+        return self.placed(away)
 
     def find_states(self, subject) -> None:
         """points: (w, t) of the start and of states beside it, at the busiest times.

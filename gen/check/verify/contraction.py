@@ -43,6 +43,8 @@ def contraction(case: Case, subject) -> list[Row]:
         went = by_rows(one, case, t, h)
         seen += went is not None
         most = largest(most, of_steps(case, t, h, sites)) if went else most
+    if not seen:
+        return [not_applicable("by rows", "no step near the largest of rows is taken")]
     note = f"of {seen} steps near |h| = {2 * edge:.3g}, where the factor is 1"
     return [at_most("by rows", most, 1, note)]
 

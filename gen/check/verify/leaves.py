@@ -34,19 +34,26 @@ class Leaves:
         return np.einsum("...sa,sab,...sb->...s", w, self.casimir.astype(w.dtype), w)
 
     def sizes(self, w):
-        """Round-off of 2 C(w) is measured by |w|.|A||w|, larger than C near its zeros."""
-        return np.einsum("...sa,sab,...sb->...s", np.abs(w), np.abs(self.casimir).astype(w.dtype), np.abs(w))
+        """Round-off of 2 C(w) is measured by |w|.|A||w|, larger than C near its zeros; no divisor is 0 where w is."""
+        found = np.einsum("...sa,sab,...sb->...s", np.abs(w), np.abs(self.casimir).astype(w.dtype), np.abs(w))
+        return np.maximum(found, np.finfo(float).tiny)
 
     def polished(self, w):
         """Sites of spheres scaled to their radius in the precision of w."""
         sphere = ~np.isnan(self.radius)
-        scale = np.where(sphere, np.where(sphere, self.radius, 1) / lengths(w), w.dtype.type(1))
+        scale = np.where(sphere, np.where(sphere, self.radius, 1) / np.where(sphere, lengths(w), 1), w.dtype.type(1))
         return w * scale[:, None]
+
+    @staticmethod
+    def squares(n):
+        """|n|^2 of every site; 1 where n = 0, which has no form."""
+        found = np.sum(n * n, axis=1)
+        return np.where(found > 0, found, 1)
 
     def form(self, w, left, right):
         """omega(u, v) for all columns u of left, v of right (columns, sites, 3): (left, right)."""
         n = self.normal(w)
-        n = n * (self.kappa / np.sum(n * n, axis=1))[:, None]
+        n = n * (self.kappa / self.squares(n))[:, None]
         return np.einsum("asi,bsi->ab", np.cross(n, left), right)
 
 

@@ -11,7 +11,7 @@ from ...run.settings import model_of
 from ...run.step.integrator import Integrator
 from ..witness import METHODS, Witness
 from .case import EPS, Case, size
-from .row import Row, at_most, not_applicable
+from .row import Row, at_most, not_applicable, refused
 from .witness_check import CONTROLLED, STEP
 
 STEPS, SEED = 2, 20240501       # few: noise does not stretch distances, but steps do
@@ -24,6 +24,10 @@ def noise(spec: Spec, case: Case) -> list[Row]:
     if not select(spec, s.effects, s.parameters).heated:
         return []
     model = model_of(spec, s, "double")
+    try:
+        model.start(case.w.copy(), h=case.h, seed=SEED).steps(STEPS)
+    except RunError as error:
+        return [refused("noise", str(error))]
     try:
         return [beside(spec, case, model), restored(case, model)]
     except RunError as error:

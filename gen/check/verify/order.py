@@ -47,16 +47,21 @@ def order(case: Case, subject) -> list[Row]:
 
 
 def one_step(case: Case, subject, w, t) -> float | None:
-    """Observed order between the finest two halvings that round-off leaves alone; None: exact."""
-    w = case.long(w)
-    floor, errors, h = RESOLVED * LONG_EPS * size(w), [], case.h
+    """Observed order between the finest two halvings that round-off leaves alone, of the probing step where none of the run's are; None: exact."""
+    found = (errors_of(subject, case.long(w), t, h) for h in case.steps())
+    return next((math.log2(errors[-2] / errors[-1]) - 1 for errors in found if len(errors) > 1), None)
+
+
+def errors_of(subject, w, t, h) -> list:
+    """Of h, h/2, h/4 and so on, as far as they are more than round-off."""
+    floor, errors = RESOLVED * LONG_EPS * size(w), []
     while len(errors) < HALVINGS:
         error = halved(subject, w, t, h)
         if error < floor:
             break
         errors.append(error)
         h /= 2
-    return math.log2(errors[-2] / errors[-1]) - 1 if len(errors) > 1 else None
+    return errors
 
 
 def halved(subject, w, t, h) -> float:

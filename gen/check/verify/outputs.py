@@ -27,10 +27,10 @@ def outputs(case: Case, subject) -> list[Row]:
     gaps, sizes, seen = {}, {}, 0
     for w, t in places(case):
         try:
-            expected, near, given = expectation(case, w, t), expectation(case, moved(case, w), t), subject.outputs(w.astype(LONG), t)
+            expected, near = expectation(case, w, t), expectation(case, moved(case, w), t)
         except RunError:
             continue
-        seen += 1
+        given, seen = subject.outputs(w.astype(LONG), t), seen + 1
         for name in {*expected, *given}:
             a, b, c = (np.atleast_1d(np.asarray(x.get(name, np.nan), LONG)) for x in (expected, given, near))
             gaps.setdefault(name, []).append(np.abs(b - a).max() if a.shape == b.shape else np.inf)

@@ -36,6 +36,8 @@ def refusals(case: Case, subject) -> list[Row]:
         case.unseen.append(f"whether steps are refused needlessly: more than {LARGEST} sites, and the field is not linear")
         return [not_applicable("refusals", f"no bound is known for more than {LARGEST} sites and a field that is not linear")]
     asked = list(trials(case))
+    if not asked:
+        return [not_applicable("refusals", "nothing moves at any of the states")]
     refused = [trial for trial in asked if step(subject, *trial) is None]
     wrong = sum(case.sites > LARGEST or solvable(case, *trial) for trial in refused)
     return [at_most("refusals", wrong, 0, f"{len(asked)} steps, {len(refused)} refused")]
@@ -58,7 +60,7 @@ def trials(case: Case):
     for k, w in enumerate(spread(case, max(few, min(most, case.of_tier(WORK) // case.sites)))):
         t = times[k % len(times)]
         try:
-            fastest = float(lengths(case.witness.field(w, t)).max())
+            fastest = case.fastest(w, t)
         except RunError:
             continue
         if fastest > 0:

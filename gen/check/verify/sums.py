@@ -56,8 +56,8 @@ def small(case: Case, starts) -> float:
 
 
 def speed(case: Case, w) -> np.ndarray:
-    """|n||b|/|w| of every site."""
-    return lengths(case.leaves.normal(w)) * lengths(case.witness.field(w, 0.0)) / np.maximum(lengths(w), np.finfo(float).tiny)
+    """|n||R|/|w| of every site, w' = n x R."""
+    return lengths(case.leaves.normal(w)) * lengths(case.witness.turning(w, 0.0)) / np.maximum(lengths(w), np.finfo(float).tiny)
 
 
 def of_field(case: Case, w) -> np.ndarray:

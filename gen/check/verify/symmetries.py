@@ -32,16 +32,16 @@ class Action:
     axis: np.ndarray
 
     def __call__(self, case: Case, w, angle):
-        """w turned, in the precision of w."""
+        """w turned, in the precision of w; absent sites stay where they are kept."""
         turn = exponentials(case.leaves.casimir.astype(LONG), self.axis.astype(LONG), LONG(angle))
-        return np.where(self.mask[:, None], np.einsum("sij,sj->si", turn, w.astype(LONG)), w).astype(w.dtype)
+        return np.where((self.mask & case.numbers.present)[:, None], np.einsum("sij,sj->si", turn, w.astype(LONG)), w).astype(w.dtype)
 
 
 def exponentials(casimir, axis, angle) -> np.ndarray:
-    """exp(angle K_i) of every site, K_i w = axis x (A_i w): a rotation about the axis where A = 1."""
+    """exp(angle K_i) of every site, K_i w = axis x (A_i w)/|A|, |A| the largest entry of all: a rotation about the axis where A = 1."""
     a = axis / np.sqrt(axis @ axis)
     cross = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
-    k = np.einsum("ij,sjk->sik", cross, casimir) * (angle / 2**HALVINGS)
+    k = np.einsum("ij,sjk->sik", cross, casimir / np.abs(casimir).max()) * (angle / 2**HALVINGS)
     found = term = np.broadcast_to(np.eye(3, dtype=casimir.dtype), k.shape)
     for n in range(1, TAYLOR):
         term = np.einsum("sij,sjk->sik", term, k) / n

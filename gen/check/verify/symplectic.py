@@ -25,7 +25,7 @@ def symplectic(case: Case, subject) -> list[Row]:
     """The defect of all sites that act on others, and of the tracers among themselves."""
     if not case.scene.conservative:
         return [not_applicable("symplectic", given_up(case.scene))]
-    moving = case.numbers.moving
+    moving = case.moving
     if not case.tracers.any():
         return [defect_row(case, subject, "symplectic", np.flatnonzero(moving), "" if moving.all() else "of the sites that move")] if moving.any() else [
             not_applicable("symplectic", "no site moves")]
@@ -75,7 +75,7 @@ def form_defect(case: Case, w, after, v, mv, sites) -> float:
     leaves = case.leaves
     gap = leaves.form(after, mv * keep, mv * keep) - leaves.form(w, v, v)
     n = leaves.normal(after)
-    weight = np.abs(leaves.kappa)[:, None] / np.sqrt(np.sum(n * n, axis=1))[:, None]
+    weight = np.abs(leaves.kappa)[:, None] / np.sqrt(leaves.squares(n))[:, None]
     scale = np.einsum("csi,csi,sj->c", mv * keep, mv, np.broadcast_to(weight, (case.sites, 1)))
     return float(np.abs(gap).max() / largest(scale.max(), np.finfo(float).tiny))
 

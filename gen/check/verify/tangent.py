@@ -9,7 +9,7 @@ import numpy as np
 
 from ...extremes import smallest
 from .case import EPS, Case
-from .leaves import LONG
+from .leaves import LONG, lengths
 from .row import Row, at_most, not_applicable
 from .symplectic import WIDTHS, columns, form_defect, given_up, tangents
 
@@ -19,15 +19,21 @@ ULPS = 256              # of the symplectic form, in double precision
 
 def tangent(case: Case, subject) -> list[Row]:
     """Two rows: against differences, and its own defect; the sites that act on others."""
-    moving = case.numbers.moving
+    if not lengths(case.w).all():
+        case.unseen.append("the tangent map: it is refused beside a zero vector")
+        return neither("tangent maps beside a zero vector are refused")
+    moving = case.moving
     sites = next((found for mask in (~case.tracers & moving, moving) if (found := np.flatnonzero(mask)).size), np.arange(case.sites))
     found = [compared(case, subject, w, t, h, sites) for w, t, h in case.trials()]
     if any(one is None for one in found):
-        why = "this integrator has no tangent map"
-        return [not_applicable("tangent map", why), not_applicable("tangent symplectic", why)]
+        return neither("this integrator has no tangent map")
     apart, defect = np.max(found, axis=0)
     form = at_most("tangent symplectic", defect, ULPS * EPS) if case.scene.conservative else not_applicable("tangent symplectic", given_up(case.scene))
     return [at_most("tangent map", apart, DERIVATIVE), form]
+
+
+def neither(why: str) -> list[Row]:
+    return [not_applicable("tangent map", why), not_applicable("tangent symplectic", why)]
 
 
 def compared(case: Case, subject, w, t, h, sites):

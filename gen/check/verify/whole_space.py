@@ -44,7 +44,7 @@ def whole_space(case: Case, subject) -> list[Row]:
 
 def said(case: Case, asked, ends) -> str:
     """What was seen; what was not is kept for the certificate."""
-    gap = f"{100 * largest_gap(ends):.2g} %"
+    gap = f"{100 * largest_gap(ends[:, case.moving] if case.moving.any() else ends):.2g} %"
     case.unseen.append(f"states other than those of the run, those near its start, and {len(ends)} spread over the whole "
                        f"space (the largest cap without any of them is {gap} of the sphere of a site)")
     left_out = f", {asked - len(ends)} more were refused" * (asked > len(ends))
@@ -72,7 +72,7 @@ def spread(case: Case, count) -> np.ndarray:
     w = w * (lengths(case.w) * factor)[..., None]
     narrow = np.abs(case.leaves.values(w)) < NARROW * case.leaves.sizes(w)
     w = np.where(narrow[..., None], case.w, w)
-    return np.array([case.leaves.polished(x) for x in w], float)
+    return np.array([case.placed(x) for x in w])
 
 
 def groups(case: Case, starts) -> dict:
@@ -81,7 +81,7 @@ def groups(case: Case, starts) -> dict:
     for k, w in enumerate(starts):
         t = times[k % len(times)]
         try:
-            angle = abs(case.h) * float(lengths(case.witness.field(w, t)).max())
+            angle = abs(case.h) * case.fastest(w, t)
         except RunError:
             continue
         h = case.h / 2 ** max(0, int(np.ceil(np.log2(max(angle, FAR) / FAR))))

@@ -183,7 +183,8 @@ class Witness:
     def equation(self, w, d, t: float, h: float, method: str = "spherical-midpoint"):
         """(F(d), F'(d)) of the step equation from w: shapes (sites, 3) and (3*sites, 3*sites)."""
         self._small()
-        number, w, d, n = _choose("method", method, EQUATIONS), self._state(w), self._state(d), 3 * self.sites
+        number, w, n = _choose("method", method, EQUATIONS), self._state(w), 3 * self.sites
+        d = np.ascontiguousarray(d, dtype=float).reshape(w.shape)
         f, jacobian = np.empty((self.sites, 3)), np.empty((n, n))
         _check(self._c.witness_equation(self._system_pointer, number, t, h, w.ctypes.data, d.ctypes.data,
                                         f.ctypes.data, jacobian.ctypes.data), "the step equation")
