@@ -6,6 +6,7 @@
 
 #include "smg_row_parts.h"
 
+#if SMG_LAYERS_APART
 static void smg_move_saved(const smg_state *s, enum smg_carried_where where); /* smg_row_state.h */
 
 /* A box as something to send, so many times: not at all where it is empty. */
@@ -83,4 +84,5 @@ SMG_INLINE void smg_each_slot_of_block(const smg_coefficients *c, void *context,
                         visit);
 }
 
+#endif
 #endif
