@@ -97,35 +97,41 @@ static inline void smg_begin_curve(smg_curve *f, void *of,
   smg_zero(f->t, 3 * n); /* and a and c */
 }
 
+/* The unit of component k: that of y, or a site's own length where others are longer. */
+static inline smg_real smg_curve_scale(const smg_curve *f, int64_t k) {
+  const smg_real length = smg_norm(f->w + k - k % 3);
+  return length > 0 ? smg_min(f->scale, length) : f->scale;
+}
+
 /* (t, q) of unit length along (c, 1), on the side of the tangent before; returns the cosine between them. */
 static inline smg_real smg_curve_turn(smg_curve *f) {
-  const smg_real unit = 1 / (f->scale * f->span);
   smg_real size = 1, along = f->q;
   for (int64_t k = 0; k < f->n; ++k) {
+    const smg_real unit = 1 / (smg_curve_scale(f, k) * f->span);
     size += (f->c[k] * unit) * (f->c[k] * unit);
     along += f->t[k] * f->c[k] * unit;
   }
   const smg_real length = SMG_MATH(sqrt)(size), side = along < 0 ? -1 : 1;
-  for (int64_t k = 0; k < f->n; ++k) f->t[k] = side * f->c[k] * unit / length;
+  for (int64_t k = 0; k < f->n; ++k) f->t[k] = side * f->c[k] * (1 / (smg_curve_scale(f, k) * f->span)) / length;
   f->q = side / length;
   return side * along / length;
 }
 
 /* Newton from (x, p) across the tangent, or at this p when `fixed`; returns the iterations, 0 when they fail. */
 static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, int fixed) {
-  const smg_real unit = 1 / f->scale, own = unit / f->span;
   smg_real last = pace * SMG_STRAIGHT;
   for (int it = 1; it <= SMG_MAX_CORRECTIONS; ++it) {
     if (f->newton(f->of, *p, f->x, f->a, f->c, &f->sign) != SMG_OK) return 0;
     smg_real ta = 0, tc = f->q, tt = 0, size = 0;
     for (int64_t k = 0; k < f->n; ++k) {
+      const smg_real unit = 1 / smg_curve_scale(f, k);
       ta += f->t[k] * f->a[k] * unit;
-      tc += f->t[k] * f->c[k] * own;
+      tc += f->t[k] * f->c[k] * (unit / f->span);
       tt += f->t[k] * f->t[k];
     }
     const smg_real dp = fixed ? 0 : -ta / tc; /* in natural steps */
     for (int64_t k = 0; k < f->n; ++k) {
-      const smg_real d = f->a[k] + f->c[k] * (dp / f->span);
+      const smg_real d = f->a[k] + f->c[k] * (dp / f->span), unit = 1 / smg_curve_scale(f, k);
       size += (d * unit) * (d * unit);
       f->x[k] += d;
     }
@@ -158,7 +164,7 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   const int landing = rate > 0 && f->p + pace * rate >= 1;
   const smg_real s = landing ? (1 - f->p) / rate : pace;
   smg_real p = landing ? 1 : f->p + s * rate;
-  for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * f->scale;
+  for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * smg_curve_scale(f, k);
   const int its = smg_curve_correct(f, &p, s, landing);
   if (its == 0) return 0;
   if (f->sign == 0 && f->sign_of) f->sign = f->sign_of(f->of);
@@ -204,15 +210,15 @@ static inline int smg_curve_inward(const smg_real *y, const smg_real *t, smg_rea
 }
 
 /* Is it there within a small part of the way that p has come? A midpoint like 1/p comes near, but never in. */
-static inline int smg_curve_soon(const smg_curve *f, const smg_real *y, const smg_real *t) {
-  return SMG_MATH(sqrt)(smg_dot(y, y) / smg_dot(t, t)) / f->scale * smg_abs(f->q) <= SMG_MISS * f->p * f->span;
+static inline int smg_curve_soon(const smg_curve *f, int64_t k) {
+  const smg_real *y = f->y + k, *t = f->t + k, far = SMG_MATH(sqrt)(smg_dot(y, y) / smg_dot(t, t));
+  return far / smg_curve_scale(f, k) * smg_abs(f->q) <= SMG_MISS * f->p * f->span;
 }
 
 /* A curve that no pace can follow any more: does it end in the centre of a sphere? */
 static inline smg_status smg_curve_end(smg_curve *f) {
   for (int64_t k = 0; k < f->n; k += 3)
-    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k))) &&
-        smg_curve_soon(f, f->y + k, f->t + k)) {
+    if (smg_curve_inward(f->y + k, f->t + k, SMG_MATH(sqrt)(smg_dot(f->w + k, f->w + k))) && smg_curve_soon(f, k)) {
       f->site = k / 3;
       f->partner = -1;
       return SMG_NO_SOLUTION;
@@ -221,7 +227,11 @@ static inline smg_status smg_curve_end(smg_curve *f) {
 }
 
 /* The natural steps in h, at least one: how far h would move w, in units of w, if it were a small step. */
-static inline smg_real smg_curve_span(const smg_curve *f) { return smg_max(1, smg_most(f->c, f->n) / f->scale); }
+static inline smg_real smg_curve_span(const smg_curve *f) {
+  smg_real span = 1;
+  for (int64_t k = 0; k < f->n; ++k) smg_take(&span, smg_abs(f->c[k]) / smg_curve_scale(f, k));
+  return span;
+}
 
 /* Is a midpoint so near the centre of its sphere that paces may jump across it? */
 static inline int smg_curve_central(const smg_curve *f) {

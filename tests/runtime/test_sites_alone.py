@@ -164,3 +164,48 @@ def test_a_field_that_jumps_is_no_constant_one():
         taken += 1
         assert np.abs(witness.residual(before, after, 0.0, model.h, "spherical-midpoint")).max() < 1e-14
     assert taken > 50
+
+
+SCALED = """
+[model]
+name = "scaled"
+[space]
+w = {{ {space}, kappa = "r[i]" }}
+[parameters]
+n = 2
+r = {{ default = 1.0, size = "n" }}
+[effects.body]
+over = "site(i) of w"
+energy = "0.5*(w[i].x^2 + 0.5*w[i].y^2 + 0.25*w[i].z^2) + 0.3*r[i]*w[i].y"
+{more}
+"""
+COUPLED = """[effects.pair]
+over = "pair(i, j) of w"
+energy = "0.05*r[i]*r[j]*dot(w[i], w[j])"
+"""
+SPHERE, R3 = 'sphere = "n", radius = "r[i]"', 'r3 = "n"'
+
+
+def second(model, starts, small):
+    """Of large steps, the status and where the second site is in units of its size."""
+    for v, h in starts:
+        try:
+            yield None, model.start(np.array([[1.0, 0, 0], small * v]), h=h).steps(1).w[1] / small
+        except RunError as error:
+            yield error.status, np.zeros(3)
+
+
+@pytest.mark.parametrize("space, more, sizes", [(SPHERE, "", (1, 2.0**-30)), pytest.param(R3, "", (1, 2.0**-30), marks=pytest.mark.long), pytest.param(SPHERE, COUPLED, (2.0**-9, 2.0**-40), marks=pytest.mark.long)],
+                         ids=["spheres", "R3", "coupled"])
+def test_a_small_site_has_the_branch_of_a_large_one(space, more, sizes):
+    """The motion of each is the same in units of its size, and the second acts on the first by next to nothing; the unit of a curve was that of the
+    largest, in which small sites do not move."""
+    rng = np.random.default_rng(1)
+    spec, starts = smidgen.load_text(SCALED.format(space=space, more=more)), [(unit(rng.normal(size=3)), 10**rng.uniform(0, 1.3)) for _ in range(60)]
+    large, small = (list(second(smidgen.build(spec, parameters={"r": [1.0, size]}), starts, size)) for size in sizes)
+    assert [status for status, _ in large] == [status for status, _ in small] and len({status for status, _ in large}) > 1
+    assert max(np.abs(a - b).max() for (_, a), (_, b) in zip(large, small)) <= (0.02 if more else 1e-9)
+
+
+def unit(v):
+    return v / np.linalg.norm(v)
