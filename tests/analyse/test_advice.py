@@ -143,6 +143,61 @@ def test_the_equation_is_the_witness_s():
     assert np.max(np.abs(j @ d.ravel() - change)) < 1e-13
 
 
+MOVED = """[model]
+name = "moved"
+orientation = -1
+[space]
+w = {{ {space} }}
+[effects.exchange]
+over = "bond(i, j) of chain(4, open)"
+energy = "-dot(w[i], w[j]) - 0.3*w[i].x*w[j].z^2"
+[effects.bath]
+over = "site(i) of w"
+damping = "0.2 + 0.1*i"
+form = "{form}"
+[effects.current]
+over = "bond(i, j) of chain(4, open)"
+torque = "cos(t)*cross(w[j], cross(w[j], w[i]) + vec(0, 3, 0.4))"
+on = "w[j]"
+[effects.held]
+over = "site(i) of w"
+{held} = "i == 2"
+[starts.any]
+random = 2
+"""
+
+
+@pytest.mark.parametrize("space, form", [('sphere = 4, kappa = "1 - 3*mod(i, 2)", radius = "1 + i/4"', "gilbert"), ("sphere = 4, kappa = -2, radius = 1.5", "ll"),
+                                         ("r3 = 4, kappa = 0.7", "ll")])
+@pytest.mark.parametrize("held", ["pinned", "absent"])
+def test_dampings_torques_and_sites_that_do_not_move_are_in_the_equation(space, form, held):
+    spec = load_text(MOVED.format(space=space, form=form, held=held))
+    model, one = smidgen.build(spec).start("any", h=0.1), Witness(spec)
+    w, h = model.w.copy(), 0.1
+    equation, after = StepEquation(model, w, 0.0), one.step(w, 0.0, h)
+    assert np.max(np.abs(equation.rate(w, 0.0) - one.vector_field(w, 0.0))) < 1e-13
+    assert np.max(np.abs(equation.residual(after - w, h))) < 1e-13
+    assert (after[2] == w[2]).all() and np.max(np.abs(after - w)) > 0.1
+
+
+def test_a_step_resolves_torques_and_not_the_fields_of_sites_that_do_not_move():
+    """A torque of rate 30 turns a spin that has no field; a spin of rate 1 beside a pinned one in a field of 100."""
+    text_ = FIELD[:FIELD.index("[starts")].replace("sphere = 1", "sphere = 2").replace('energy = "B*w.z"', 'over = "pair(i, j) of w"\nenergy = "-dot(w[i], w[j])"') + '''[effects.strong]
+over = "site(i) of w"
+energy = "-if(i == 0, 100, 0)*w[i].x"
+[effects.held]
+over = "site(i) of w"
+pinned = "i == 0"
+[effects.push]
+over = "site(i) of w"
+torque = "cos(3*t)*cross(w[i], vec(0, 0, 30))"
+'''
+    spec, w = load_text(text_), np.array([[0.6, 0, 0.8], [0, 0.6, 0.8]])
+    assert advise(spec, start=w, h=0.1, time=5, effects=("field", "strong", "held")).rate == pytest.approx(1, rel=1e-6)
+    pushed = advise(spec, start=w, h=0.1, time=5, effects=("push",))
+    assert pushed.rate == pytest.approx(30, rel=1e-3) and pushed.change == pytest.approx(3, rel=0.2) and "nothing moves" not in " ".join(pushed.words())
+
+
 def test_backward_is_the_reversed_problem():
     spec = load_text(PAIR)
     forward, backward = advise(spec, h=0.1), advise(spec, h=-0.1)

@@ -215,11 +215,15 @@ def test_a_joint_integral_is_one_and_what_the_methods_do_to_it_is_what_is_said(A
 @pytest.mark.quick
 @pytest.mark.parametrize("n, count", [(3, 2), (4, 1), (5, 0)])
 def test_spins_of_a_ring_of_three_or_four_keep_their_products(n, count):
-    """H = S^2/2 with n = 3, and (w_0 + w_2).(w_1 + w_3) with 4; one product less is new, since S^2 and H have the sum of all."""
+    """H = S^2/2 with n = 3, and (w_0 + w_2).(w_1 + w_3) with 4; one product less is new, since S^2 and H have the sum of all.
+
+    They are shown for all values of the parameters only where n is none of them."""
     spec = load_text(CHAIN.replace("n = 10", f"n = {n}"))
     report = explain(spec)
     found = kinds(report, "quadratic")
-    assert len(found) == count and not report.undecided and all(i.always for i in found)
+    assert len(found) == count and not report.undecided and not any(i.always for i in found) and (f"shown for these values: n = {n}" in said(report)) == (count > 0)
+    fixed = kinds(explain(load_text(CHAIN.replace('"n"', f"{n}").replace("chain(n", f"chain({n}"))), "quadratic")
+    assert len(fixed) == count and all(i.always for i in fixed)
     check_flow(report, spec, state(np.random.default_rng(n), spec))
 
 
@@ -230,6 +234,58 @@ def test_what_was_looked_for_is_said():
     assert "not searched: quadratic forms that couple sites (10 sites; the limit is 6)" in said(chain)
     assert "quadratic forms of all sites together" in said(vortices) and not vortices.undecided and not kinds(vortices, "quadratic")
     assert "join" not in said(explain(load("free_rigid_body"))) and chain.as_dict()["searched"][0] == "linear ones"
+
+
+# Constants that are no simple numbers
+
+ONE = '[model]\nname = "one"\n[space]\nw = {{ {} = {} }}\n[effects.a]\nover = "site(i) of w"\nenergy = "{}"\n'
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("energy, axis", [
+    ("cos(0.3)*w[i].x + sin(0.3)*w[i].y", [np.cos(0.3), np.sin(0.3), 0]),
+    ("exp(0.5)*w[i].x + 2*w[i].y + log(3)*w[i].z", [np.exp(0.5), 2, np.log(3)]),
+    ("sqrt(2)*w[i].x + 2^0.3*w[i].y + pi*w[i].z", [2 ** 0.5, 2 ** 0.3, np.pi])])
+@pytest.mark.parametrize("count", [1, 2])
+def test_axes_with_constants_are_found(energy, axis, count):
+    spec = load_text(ONE.format("sphere", count, energy))
+    report = explain(spec)
+    (_, axes), = report.rotations
+    np.testing.assert_allclose(axes, [np.array(axis) / np.linalg.norm(axis)], rtol=1e-14)
+    check_flow(report, spec, state(np.random.default_rng(1), spec))
+
+
+@pytest.mark.quick
+def test_quadratic_integrals_with_constants_are_found():
+    spec = load_text(ONE.format("sphere", 1, "exp(0.5)*w[i].x^2 + 2*w[i].y^2 + log(3)*w[i].z^2 + 0*t"))
+    report = explain(spec)
+    assert kinds(report, "quadratic")
+    check_flow(report, spec, state(np.random.default_rng(1), spec))
+
+
+# Absent sites, torques, flows
+
+@pytest.mark.quick
+def test_sums_leave_absent_sites_out():
+    spec = load_text(CHAIN.replace("n = 10", "n = 4") + '[effects.gone]\nover = "site(i) of w"\nabsent = "i == 1"\n')
+    report, w = explain(spec), state(np.random.default_rng(1), spec)
+    for i in kinds(report, "linear"):
+        assert i.evaluate(w) == pytest.approx(w[[0, 2, 3], "xyz".index(i.formula[-1])].sum())
+
+
+@pytest.mark.quick
+def test_the_energy_is_not_said_to_fall_where_torques_act_or_h_may_depend_on_time():
+    spec = load_text(CHAIN + AXIS + '[effects.bath]\nover = "site(i) of w"\ndamping = 0.1\n[effects.push]\nover = "site(i) of w"\ntorque = "cross(w[i], vec(0, 0, 1))"\n')
+    assert "the energy decreases" not in said(explain(spec))
+    assert "the energy decreases" in said(explain(spec, effects=("exchange", "axis", "bath")))
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("factor, count", [("2", 1), ("exp(-t)", 0)])
+def test_a_flow_that_changes_with_time_is_not_said_to_be_reversed(factor, count):
+    """Tracers have no energy, so that none changes with time."""
+    report = explain(load_text('[model]\nname = "m"\n[space]\np = { sphere = 3, tracer = true }\n[effects.flow]\nover = "site(i) of p"\nenergy = "FACTOR*p[i].z^2"\n'.replace("FACTOR", factor)))
+    assert report.energy_changes is False and said(report).count("w -> -w reverses") == count
 
 
 # No false claim

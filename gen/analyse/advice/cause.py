@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...compile.plan.held import present
 from ..symmetry.energy import Energy
 from .branch import Branch
 from .equation import Nowhere
@@ -28,7 +29,9 @@ def partners(branch: Branch) -> tuple:
 
 
 def effect_of(model, equation, branch: Branch) -> str:
-    """The name of the effect that makes the end; "" where none can be told."""
+    """The name of the effect that makes the end; "" where none can be told, as where torques act, which have no energy."""
+    if model.scene.pushed:
+        return ""
     fields = Fields(model, equation, equation.t + equation.sign * branch.h / 2)
     mbar = equation.w + branch.u / 2
     with np.errstate(all="ignore"):
@@ -45,9 +48,9 @@ class Fields:
 
     def __init__(self, model, equation, t: float):
         self.equation, self.t = equation, t
-        self.energies = Energy(model.scene, model.parameters).parts
+        self.energies = Energy(present(model.scene), model.parameters).parts
         self.kappa = model.prepared.numbers.kappas
-        self.active = np.repeat([not f.tracer for f in model.scene.families], [n for _, n in model.families.values()])
+        self.active = np.repeat([not f.tracer for f in model.scene.families], [n for _, n in model.families.values()]) & model.prepared.numbers.moving
 
     def at(self, m) -> dict:
         """effect -> b_e at the midpoints m, shape (sites, 3)."""

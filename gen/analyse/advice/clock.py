@@ -43,38 +43,38 @@ def clock(equation: StepEquation, span: float) -> Clock | None:
         return None
     count = int(np.clip(WORK // len(equation.w), *SAMPLES))
     times = equation.t + equation.sign * span * np.linspace(0, 1, count)
-    spacing, found = span / (count - 1), [_sampled(equation.model, w, times) for w in (equation.w, _turned(equation.w))]
+    spacing, found = span / (count - 1), [_sampled(equation.field, w, times) for w in (equation.w, _turned(equation.w))]
     best = {float(times[k]): size for moments, sizes, _ in found for k, size in zip(moments, sizes)}
     moments = sorted(best, key=best.get, reverse=True)[:MOMENTS]
     return Clock(spacing, tuple(sorted(moments)), *together([pace for *_, paces in found for pace in paces]))
 
 
-def _sampled(model, w, times):
-    """(index of the time at which each site's |b| is largest, that |b|, the Pace at each spacing)."""
+def _sampled(field, w, times):
+    """(index of the time at which the field of each site is largest, that field, the Pace at each spacing)."""
     best, where, pace = np.zeros(len(w)), np.zeros(len(w), int), Pace(times[1] - times[0], times[-1])
     block = int(np.clip(WORK // SAMPLES[0] // len(w), 1, SAMPLES[0]))
     for first in range(0, len(times), block):
-        fields = _fields(model, w, times[first:first + block + FOUR - 1])
+        fields = _fields(field, w, times[first:first + block + FOUR - 1])
         sizes = np.linalg.norm(fields, axis=-1)
         where = np.where(sizes.max(axis=0) > best, first + sizes.argmax(axis=0), where)
         best = np.maximum(best, sizes.max(axis=0))
         pace.add(fields)
     moving = best > 0
-    return where[moving], best[moving], [pace, *(_closer(model, w, times, pace.spacing / part) for part in CLOSER)]
+    return where[moving], best[moving], [pace, *(_closer(field, w, times, pace.spacing / part) for part in CLOSER)]
 
 
-def _closer(model, w, times, spacing) -> Pace:
+def _closer(field, w, times, spacing) -> Pace:
     """The Pace of a few groups of samples with a smaller spacing, at times that are in step with no modulation."""
     pace, least, others = Pace(spacing, times[-1]), *CLOSE
     for k in range(max(least, len(times) // others)):
         begin = times[0] + k * GOLDEN % 1 * (times[-1] - times[0])
-        pace.add(_fields(model, w, begin + spacing * np.arange(FOUR)))
+        pace.add(_fields(field, w, begin + spacing * np.arange(FOUR)))
     return pace
 
 
-def _fields(model, w, times):
-    """b of every site at these times, 0 where it is not finite; shape (times, sites, 3)."""
-    return np.nan_to_num([np.asarray(model.field(w, t), float) for t in times], posinf=0, neginf=0)
+def _fields(field, w, times):
+    """The field of every site at these times, 0 where it is not finite; shape (times, sites, 3)."""
+    return np.nan_to_num([field.at(w, t) for t in times], posinf=0, neginf=0)
 
 
 def _turned(w):

@@ -1,4 +1,4 @@
-"""The step equation F(u, h) = u - h Y(w + u/2) = 0 in numpy, over the field of the compiled model.
+"""The step equation u - h Y(w + u/2) = 0 in numpy, over the field about which sites turn (`turning.py`).
 
 Y = X(P(mbar)) at the time t + h/2, with P the projection of the method; for Moser-Veselov
 Y = X(mbar)/q. Derivatives are central differences of Y: they need to find a fold, not a solution
@@ -10,6 +10,7 @@ import numpy as np
 
 from ...methods import METHODS
 from ...run.step.integrator import Integrator
+from .turning import Turning
 
 DIFFERENCE = 3e-6       # of mbar, in units of its own length
 
@@ -31,12 +32,16 @@ def _refuse(bad) -> None:
 class StepEquation:
     """The equation of one step of `model` from (t, w); a negative `sign` steps backward."""
 
-    def __init__(self, model: Integrator, w: np.ndarray, t: float, sign: float = 1.0):
-        self.model, self.w, self.t, self.sign = model, np.array(w, float), t, sign
+    def __init__(self, model: Integrator, w: np.ndarray, t: float, sign: float = 1.0, field: Turning | None = None):
+        self.model, self.w, self.t, self.sign, self.field = model, np.array(w, float), t, sign, field or Turning(model)
         self.casimir = model.prepared.numbers.casimir_matrices
         r = model.prepared.numbers.radii
         self.level = np.where(np.isnan(r), self._twice_c(self.w), r * r)      # w.(A w), kept by the projection
         self.length = np.linalg.norm(self.w, axis=1)
+
+    def of(self, w, t: float) -> StepEquation:
+        """That of another state."""
+        return StepEquation(self.model, w, t, self.sign, self.field)
 
     def _twice_c(self, w):
         return np.einsum("...si,sij,...sj->...s", w, self.casimir, w)
@@ -54,7 +59,7 @@ class StepEquation:
     def rate(self, mbar, h):
         """Y, shape (.., sites, 3), at the midpoint mbar, one or many, of a step h >= 0."""
         m, t = self.project(mbar), self.t + self.sign * h / 2
-        b = np.reshape([self.model.field(one, t) for one in m.reshape(-1, *self.w.shape)], m.shape).astype(float)
+        b = np.reshape([self.field.at(one, t) for one in m.reshape(-1, *self.w.shape)], m.shape)
         with np.errstate(all="ignore"):
             y = self.sign * self.model.scene.orientation * np.cross(np.einsum("sij,...sj->...si", self.casimir, m), b)
             if METHODS[self.model.method].divided:

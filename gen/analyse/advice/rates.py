@@ -17,30 +17,30 @@ SAMPLES = 10            # steps in a period of the modulation of H, with that h
 def local_rate(equation: StepEquation) -> float:
     """The fastest rate at the state, 1/time: sqrt(r^2 + v^2), r the spectral radius of DX P' in the tangent
     planes and v the largest |X|/|w|. A spin at an angle a to a field B has r = B cos a, v = B sin a, and turns
-    with the rate B. For many sites the largest |b|."""
+    with the rate B. For many sites the largest field."""
     w = equation.w
     y = np.linalg.norm(equation.rate(w, 0.0), axis=1)
     if w.size > UNKNOWNS:
-        return strength(equation.model, w, equation.t, equation.casimir)
+        return strength(equation, w, equation.t)
     spins = np.max(np.abs(np.linalg.eigvals(equation.slope(w, 0.0))))
     moves = np.max(y / np.where(equation.length > 0, equation.length, 1))
     return float(np.hypot(spins, moves))
 
 
-def strength(model, w, t: float, casimir) -> float:
-    """The largest |b| of a site, times the norm of its Casimir; 0 where it is not finite."""
-    b = np.linalg.norm(np.asarray(model.field(w, t), float), axis=1)
-    return float(np.max(np.nan_to_num(b * np.linalg.norm(casimir, 2, axis=(1, 2)), posinf=0)))
+def strength(equation: StepEquation, w, t: float) -> float:
+    """The largest field of a site, times the norm of its Casimir; 0 where it is not finite."""
+    size = np.linalg.norm(equation.field.at(w, t), axis=1)
+    return float(np.max(np.nan_to_num(size * np.linalg.norm(equation.casimir, 2, axis=(1, 2)), posinf=0)))
 
 
 def fastest(equation: StepEquation, places) -> tuple:
     """(the fastest local rate, its t) of the places (t, w) with the strongest fields, as many as the work allows."""
     each = 1 if equation.w.size > UNKNOWNS else 1 + 2 * equation.w.size
-    known = sorted(((strength(equation.model, w, t, equation.casimir), t, k) for k, (t, w) in enumerate(places)), reverse=True)
+    known = sorted(((strength(equation, w, t), t, k) for k, (t, w) in enumerate(places)), reverse=True)
     found = [(0.0, equation.t)]
     for _, t, k in known[:max(4, EVALUATIONS // each)]:
         try:
-            found.append((local_rate(StepEquation(equation.model, places[k][1], t, equation.sign)), t))
+            found.append((local_rate(equation.of(places[k][1], t)), t))
         except Nowhere:
             continue
     return with_largest(found, key=lambda rate: rate[0])

@@ -158,5 +158,5 @@ def _binding(model, equation, look, start: End, cap: float):
         return End(None), None
     if look.refusal is None:
         return start, None
-    at = StepEquation(model, look.refusal.w, look.refusal.t, equation.sign)
+    at = equation.of(look.refusal.w, look.refusal.t)
     return there(model, at, look.refusal.failure, cap), look.refusal.t

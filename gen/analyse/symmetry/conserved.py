@@ -15,6 +15,7 @@ from sympy.polys.matrices import DomainMatrix
 from . import bounds
 from . import polynomial as poly
 from .algebra import Algebra
+from .constants import symbol
 from .polynomial import TooMuch
 from .torque import Torques
 
@@ -142,7 +143,7 @@ def _constant(algebra: Algebra, g: int):
         inside = poly.number_of(one.arguments[0])
         if inside is not None and inside > 0 and len(str(inside)) < bounds.LONG:
             return sp.sqrt(sp.Rational(inside.numerator, inside.denominator))
-    return sp.Symbol(f"c{g}")
+    return symbol(algebra, g)
 
 
 def vanishes(algebra: Algebra, rows: list, vector) -> bool:

@@ -17,9 +17,12 @@ import itertools
 import numpy as np
 import sympy as sp
 
+from ...language.expr import Par, walk
+from ...language.spec import Lattice
 from ...methods import METHODS
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import bounds, conserved, modular, spaces, polynomial as poly
+from .constants import real
 from .integrals import WHY, Integral
 from .names import AXES, number
 from .orbits import written_out
@@ -121,14 +124,19 @@ def joint_quadratic(asked: Asked, method: str, undecided: list):
     known = attempt(lambda: implied(one)) or []
     if nothing_more(one, known):
         return
-    basis = one.null_space(one.rows, len(one.entries))
-    if basis is None:
+    basis = None if symbolic(known) else one.null_space(one.rows, len(one.entries))
+    if basis is None or symbolic(basis):
         undecided.append("which quadratic forms of several sites together are conserved")
         return
     always = attempt(lambda: _symbols(asked))
     for q in _beyond(basis, known):
         lead = next(pair for pair, x in zip(one.entries, q) if x)
         yield _integral(one, method, q if lead[0] == lead[1] else [x / 2 for x in q], always)       # its text begins with 1
+
+
+def symbolic(forms) -> bool:
+    """Are there constants in them that are symbols? Elimination with so many takes too long."""
+    return any(sp.sympify(x).free_symbols for q in forms for x in q)
 
 
 def nothing_more(one: Joint, known) -> bool:
@@ -140,8 +148,10 @@ def nothing_more(one: Joint, known) -> bool:
 
 
 def _symbols(asked: Asked) -> Torques:
-    """The sum written out, with parameters as symbols; kappa stays what it is in the run, so it must be a number."""
-    if any(f.kappa.__class__.__name__ != "Num" for f in asked.spec.families):
+    """The sum written out, with parameters as symbols. kappa and the numbers of sites stay what they are in the run, so no parameter may be in them."""
+    families, lattices = asked.spec.families, [e.over for e in asked.spec.energies if isinstance(e.over, Lattice)]
+    sizes = [f.count for f in families] + [size for over in lattices for size in over.size]
+    if any(f.kappa.__class__.__name__ != "Num" for f in families) or any(isinstance(node, Par) for size in sizes for node in walk(size)):
         return None
     tables = {name: asked.values[name] for name, _ in asked.spec.tables}
     return torques(asked.spec, written_out(asked.spec.energies, asked.values, asked.places), None, tables, Budget(), True)
@@ -213,11 +223,11 @@ def _integral(one: Joint, method: str, q, always) -> Integral:
     text, kept, why = _text(one, q), *_kept(one, method, q)
     matrix = np.zeros((len(one.components),) * 2)
     for (i, j), x in zip(one.entries, q):
-        matrix[i, j] = matrix[j, i] = float(x)
+        matrix[i, j] = matrix[j, i] = real(x)
     sites = [one.first[name] + k for name, k in one.places]
 
     def numbers(w):
-        v = w[sites].ravel()
+        v = np.where(one.asked.present[sites, None], w[sites], 0).ravel()
         return np.array([v @ matrix @ v])
     return Integral(text, "quadratic", text, kept, why, holds(always, one.rows, q), 1, numbers)
 
@@ -240,7 +250,7 @@ def _text(one: Joint, q) -> str:
     named = [_site(one, k) + "." + AXES[c] for k, c in one.components]
     parts = []
     for (i, j), x in zip(one.entries, q):
-        c = float(x) * (1 if i == j else 2)
+        c = real(x) * (1 if i == j else 2)
         if c:
             parts.append(f"{'-' if c < 0 else '+'} {'' if abs(c) == 1 else f'{abs(c):.6g} '}{named[i]}{'^2' if i == j else ' ' + named[j]}")
     text = " ".join(parts[:SHOWN]) + (f" + .. ({len(parts)} terms)" if len(parts) > SHOWN else "")

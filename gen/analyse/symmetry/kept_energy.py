@@ -29,10 +29,11 @@ def _holds_time(spec) -> bool:
     return any(isinstance(node, Time) for e in spec.energies for node in walk(e.value))
 
 
-def _timed(found) -> bool:
+def _timed(found, of: str = "energy") -> bool:
+    """of: that of the effects without tracers, or the total."""
     t = next(iter(found.algebra.leaf("t", False)))[0][0]
     return any(t in _deep(found.algebra, p) for o in found.orbits if not o.watched
-               for p in found.algebra.cleared([o.energy]))
+               for p in found.algebra.cleared([getattr(o, of)]))
 
 
 def _deep(algebra, p: dict) -> set:
@@ -148,11 +149,11 @@ def energy_form(asked: Asked) -> list:
 # Discrete symmetries
 
 def parity(asked: Asked) -> list:
-    """Sign patterns (sx, sy, sz), applied to all vectors, that leave H and every C unchanged."""
+    """Sign patterns (sx, sy, sz), applied to all vectors, that leave H and every C unchanged; none where tracers are carried in a way that changes with t."""
     found = asked.written or asked.now
     matrices = casimir_matrices(asked.spec, asked.values)
     patterns = [s for s in itertools.product((1, -1), repeat=3) if s != (1, 1, 1)]
-    if found is None:
+    if found is None or _holds_time(asked.spec) and attempt(lambda: _timed(found, "total")) is not False:
         return []
     return [s for s in patterns if np.all(matrices * np.outer(s, s) == matrices)
             and attempt(lambda: all(_even(found.algebra, o.total, s) for o in found.orbits if not o.watched))]

@@ -5,6 +5,8 @@ from fractions import Fraction
 
 import sympy as sp
 
+from .constants import real
+
 AXES = "xyz"
 
 
@@ -35,7 +37,7 @@ def form_text(vector: str, q) -> str:
     """w.(Q w) for the entries xx xy xz yy yz zz of Q."""
     parts = []
     for (a, b), x in zip(((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), q):
-        c = float(x) * (1 if a == b else 2)
+        c = real(x) * (1 if a == b else 2)
         if c:
             power = f"{vector}.{AXES[a]}^2" if a == b else f"{vector}.{AXES[a]} {vector}.{AXES[b]}"
             parts.append(f"{'-' if c < 0 else '+'} {'' if abs(c) == 1 else f'{abs(c):.6g} '}{power}")

@@ -1,10 +1,11 @@
 """The questions put to the algebra, each within its own bounds; no answer is None, never a guess."""
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 
 from ...errors import UsageError
-from ...run.step.evaluated import parameter_values, sizes
+from ...run.step.evaluated import Evaluated, parameter_values, sizes
 from . import conserved
 from .formulas import NotDecided
 from .orbits import orbits, written_out
@@ -28,6 +29,11 @@ class Asked:
     always: Torques | None
     off: Torques | None
     answers: dict = field(default_factory=dict)
+
+    @functools.cached_property
+    def present(self):
+        """Is each site there? Shape (sites,)."""
+        return Evaluated(self.spec, self.values).present
 
     @property
     def families(self) -> list:

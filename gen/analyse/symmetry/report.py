@@ -18,6 +18,7 @@ from ...run.step.prepared import asked as asked_of, choose
 from ...run.step.evaluated import casimir_matrices, kappas
 from . import conserved, spaces
 from .by_site import why_by_site
+from .constants import real
 from .integrals import WHY, Integral
 from .jumps import jumps
 from .joint import joint_quadratic, looked_for
@@ -175,7 +176,7 @@ def _pattern(axis, chosen, families: int) -> list:
 
 def directions(axes) -> np.ndarray:
     """Unit vectors, shape (k, 3)."""
-    rows = np.array([[float(x) for x in a] for a in axes])
+    rows = np.array([[real(x) for x in a] for a in axes])
     return rows / np.linalg.norm(rows, axis=1)[:, None]
 
 
@@ -211,7 +212,7 @@ def _of_family(basis, f) -> list:
 
 def _sum_linear(asked, method, vector, rows):
     parts = {f: directions([vector[3 * f:3 * f + 3]])[0] if len(spaces.support(vector)) == 1 else
-             np.array([float(x) for x in vector[3 * f:3 * f + 3]]) for f in spaces.support(vector)}
+             np.array([real(x) for x in vector[3 * f:3 * f + 3]]) for f in spaces.support(vector)}
     strength = kappas(asked.spec, asked.values)
     text = " + ".join(_sum_text(asked, f, a) for f, a in parts.items())
     names = [asked.families[f] for f in parts]
@@ -243,8 +244,9 @@ def _linear_integral(asked, method, name, text, vector, rows, numbers, count):
 
 
 def _sites(asked, w, name):
+    """Absent ones are 0, as in all output."""
     first, count = asked.places[name]
-    return w[first:first + count]
+    return np.where(asked.present[first:first + count, None], w[first:first + count], 0)
 
 
 # Quadratic integrals: w.(Q w) of every site, or summed over families
@@ -313,7 +315,7 @@ def _known(asked: Asked, name, linear):
 def _matrix(q) -> np.ndarray:
     out = np.zeros((3, 3))
     for (a, b), x in zip(conserved.PAIRS, q):
-        out[a, b] = out[b, a] = float(x)
+        out[a, b] = out[b, a] = real(x)
     return out
 
 

@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import sympy as sp
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.polyerrors import BasePolynomialError
 
 
 def within(vector, basis) -> bool:
@@ -12,7 +14,17 @@ def within(vector, basis) -> bool:
 
 
 def rank(vectors) -> int:
-    return sp.Matrix(vectors).rank() if vectors else 0
+    return len(echelon(vectors)[1]) if vectors else 0
+
+
+def echelon(vectors) -> tuple:
+    """(the reduced echelon form, its pivots), over the field that the numbers and symbols generate."""
+    matrix = sp.Matrix(vectors)
+    try:
+        found, pivots = DomainMatrix.from_Matrix(matrix, extension=True).to_field().rref()
+        return found.to_Matrix(), pivots
+    except (NotImplementedError, BasePolynomialError):      # roots and symbols together
+        return matrix.rref()
 
 
 def beyond(vectors, known) -> list:
@@ -32,7 +44,7 @@ def common_axes(basis, families: int, chosen) -> list:
     patterns = [[sp.Integer(int(f in chosen and c == axis)) for f in range(families) for c in range(3)]
                 for axis in range(3)]
     matrix = sp.Matrix([*basis, *[[-x for x in p] for p in patterns]]).T
-    found = [list(v[len(basis):]) for v in matrix.nullspace()]
+    found = [[sp.cancel(x) for x in v[len(basis):]] for v in matrix.nullspace()]
     return beyond([a for a in found if any(a)], [])
 
 
@@ -43,5 +55,5 @@ def support(vector) -> tuple:
 
 def neat(axes) -> list:
     """The same space in its reduced echelon basis: x, y, z when it is everything."""
-    reduced, _ = sp.Matrix(axes).rref()
+    reduced, _ = echelon(axes)
     return [list(reduced.row(k)) for k in range(reduced.rows)]
