@@ -82,20 +82,23 @@ def within_cell(over: Lattice) -> np.ndarray:
     return np.array(over.places.positions, float) @ np.array(over.places.vectors, float)
 
 
-def bonds(spec: Spec, family: str, values: dict) -> np.ndarray:
-    """The bonds and edges with two ends on a family, each pair of each lattice or graph once: numbers of sites (bonds, 2)."""
-    return _found(spec, family, values)[0]
+def bonds(spec: Spec, family: str, values: dict, scene: Spec | None = None) -> np.ndarray:
+    """The bonds and edges with two ends on a family, each pair of each lattice or graph once: numbers of sites (bonds, 2).
+
+    scene: the same with fewer effects, whose bonds they are; positions are those of the whole.
+    """
+    return _found(spec, family, values, scene)[0]
 
 
-def bond_vectors(spec: Spec, family: str, values: dict):
+def bond_vectors(spec: Spec, family: str, values: dict, scene: Spec | None = None):
     """Of the same bonds, the vector from the first site to the second, (bonds, 3); None where the spec gives no positions."""
-    return _found(spec, family, values)[1]
+    return _found(spec, family, values, scene)[1]
 
 
-def _found(spec: Spec, family: str, values: dict):
+def _found(spec: Spec, family: str, values: dict, scene: Spec | None):
     """(bonds, their vectors)."""
     there = positions(spec, family, values)
-    rows = [_of(over, values, there) for over in joined_by(spec, family) if over.family and len(families_of(over)) == 2]
+    rows = [_of(over, values, there) for over in joined_by(scene or spec, family) if over.family and len(families_of(over)) == 2]
     pairs = np.concatenate([pair for pair, _ in rows]) if rows else np.zeros((0, 2), np.int64)
     vectors = np.concatenate([v for _, v in rows]) if rows else np.zeros((0, 3))
     grid = vectors / (np.abs(vectors).max(initial=0) or 1)

@@ -37,7 +37,7 @@ def motion(spec: Spec, f) -> str:
 def summed(term) -> str:
     """The sum over the index family of a term."""
     (sign, value), over = unsigned(term.value), below(term.over)
-    return f"{sign}{over} {text(value, PRODUCT if over else SUM)}".replace("  ", " ").strip()
+    return f"{sign}{over} {text(value, PRODUCT if over or sign else SUM)}".replace("  ", " ").strip()
 
 
 def unsigned(e: Expr) -> tuple[str, Expr]:
@@ -76,7 +76,8 @@ def written(e: Expr) -> tuple[str, int]:
         sign, rest = unsigned(e)
         return (f"-{text(rest, PRODUCT)}", SUM) if sign else operation(rest)
     if isinstance(e, Num):
-        return number(e.value), ATOM if e.value >= 0 else SUM
+        said = number(e.value)
+        return said, SUM if e.value < 0 else PRODUCT if "cdot" in said else ATOM
     if isinstance(e, Elem):
         return f"{symbol(e.name)}_{{{text(e.index)}}}", ATOM
     if isinstance(e, Spin):

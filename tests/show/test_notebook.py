@@ -76,6 +76,12 @@ def test_names():
 
 
 @pytest.mark.quick
+def test_a_sign_before_a_sum_is_that_of_all_of_it():
+    spec = smidgen.load_text('[model]\nname = "m"\n[space]\nw = { sphere = 1 }\n[effects.e]\nenergy = "-(w[0].x + (1e-5)^2)"\n')
+    assert equations(spec)[0].endswith(r"H = \underbrace{- \left(w_{0, x} + \left(1 \cdot 10^{-5}\right)^{2}\right)}_{\text{e}}")
+
+
+@pytest.mark.quick
 def test_the_heisenberg_chain():
     assert equations(smidgen.load("heisenberg_chain")) == [
         r"\dot w_i = w_i \times \frac{\partial H}{\partial w_i}, \qquad H = \underbrace{\sum_{\langle i, j \rangle} w_{i} \cdot w_{j}}_{\text{exchange}}"]

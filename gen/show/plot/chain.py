@@ -14,6 +14,12 @@ from .view import View, split
 CELLS = 600         # most rows and columns of an image
 
 
+def directions(w) -> np.ndarray:
+    """Unit vectors along w (.., 3); NaN, which has no colour, where a site is absent."""
+    length = np.linalg.norm(w, axis=-1, keepdims=True)
+    return w / np.where(length > 0, length, np.nan)
+
+
 def thinned(count: int, most: int = CELLS) -> np.ndarray:
     """At most `most` of the numbers 0..count-1, evenly, both ends included."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(int))
@@ -26,8 +32,8 @@ def chain_image(t, w, title: str = "", note: str = "", told=plain):
     t (k,), w (k, n, 3); `note` stands below.
     """
     keep, sites = thinned(len(t)), thinned(w.shape[1])
-    part = np.asarray(w, float)[keep][:, sites]
-    unit = part / np.maximum(np.linalg.norm(part, axis=2, keepdims=True), 1e-300)
+    unit = directions(np.asarray(w, float)[keep][:, sites])
+    half = (t[-1] - t[0]) / (len(keep) - 1) / 2     # an output is in the middle of its row
     height = np.clip(unit[..., 2], -1, 1)
     shown_as = [(r"$\theta$ (rad)", np.arccos(height), "cividis", None, None),
                 (r"$\phi$ (rad)", np.arctan2(unit[..., 1], unit[..., 0]), "twilight", -np.pi, np.pi),
@@ -35,7 +41,7 @@ def chain_image(t, w, title: str = "", note: str = "", told=plain):
     figure = new_figure(10.2, 3.6)
     for ax, (label, values, colors, low, high) in zip(figure.subplots(1, 3, sharey=True), shown_as):
         image = ax.imshow(values, origin="lower", aspect="auto", cmap=colors, vmin=low, vmax=high,
-                          extent=[-0.5, w.shape[1] - 0.5, t[0], t[-1]])
+                          extent=[-0.5, w.shape[1] - 0.5, t[0] - half, t[-1] + half])
         ax.grid(False)
         ax.set_xlabel("site $i$")
         figure.colorbar(image, ax=ax, label=label, pad=0.02)
@@ -61,8 +67,9 @@ def chain_curves(t, w, times=None, bonds=None, title: str = "", view: View = Vie
     joined = ring(w.shape[1]) if bonds is None else np.asarray(bonds, int)
     span = np.asarray(t, float)[picks] - t[picks[0]]
     colors = ordered(span / (span[-1] or 1))
+    radius = float(np.linalg.norm(w[0], axis=1).max())
     for ax, pick, color in zip(axes, picks, colors):
-        sphere.ball(ax, view, label=at_time(t[pick], told("t")))
+        sphere.ball(ax, view, radius, label=at_time(t[pick], told("t")))
         one_curve(ax, np.asarray(w[pick], float), joined, view, color)
     for ax in axes[len(picks):]:
         ax.remove()

@@ -8,7 +8,7 @@ import numpy as np
 from ...language.spec import Graph, Lattice, families_of
 from ...run.record.conserved import driven, energy_of, of_time, with_tracers
 from ...run.step.evaluated import Evaluated
-from .standing import standing
+from .standing import both_present, standing
 
 BONDED = 20_000     # most sites of a family whose bonds are drawn
 
@@ -18,7 +18,7 @@ def with_facts(result):
 
     casimirs: family -> matrix A of C = w.(A w)/2, of Nambu families; bonds: family -> (m, 2)
     numbers of joined sites; grids: family -> cells in each direction and sites of a cell,
-    where one lattice joins them; standing: what `standing` gives; numbers: of the spec; unconserved: names of the effects that tracers feel; driven: why
+    where one lattice joins them; standing: what `standing` gives; numbers: of the scene that was run; unconserved: names of the effects that tracers feel; driven: why
     the energy of the others is not conserved, or False. A result without its spec is drawn from its numbers
     alone. Raises SpecError when the spec is spoilt.
     """
@@ -29,8 +29,9 @@ def with_facts(result):
     spec, called = spec_of(meta["sources"], meta["spec"]), set(meta.get("effects") or ())
     known = {p.name for p in spec.parameters}
     numbers = Evaluated(spec, {n: v for n, v in (meta.get("parameters") or {}).items() if n in known})
+    scene = numbers.of(dataclasses.replace(spec, effects=tuple(e for e in spec.effects if e.name in called)))
     return dataclasses.replace(result, meta={
-        **meta, "casimirs": matrices(numbers), "bonds": bonds(numbers, called), "grids": grids(numbers, called), "standing": standing(numbers), "numbers": numbers,
+        **meta, "casimirs": matrices(numbers), "bonds": bonds(scene), "grids": grids(numbers, called), "standing": standing(numbers, scene), "numbers": scene,
         "unconserved": sorted(with_tracers(spec) & called), "driven": driven(spec, called) and why_driven(spec, called)})
 
 
@@ -40,14 +41,14 @@ def why_driven(spec, called) -> str:
     return ", ".join(["H may depend on time: its formula contains t"] * of_time(spec, called) + [*others])
 
 
-def bonds(numbers: Evaluated, called) -> dict:
-    """family -> (m, 2) numbers of the sites that its lattices and graphs join, each pair once."""
+def bonds(numbers: Evaluated) -> dict:
+    """family -> (m, 2) numbers of the sites that the lattices and graphs of a scene join, each pair once."""
     from ...language.instances import instances_of
     places, found = numbers.places, {}
-    for over in (e.over for e in numbers.spec.energies if e.name in called):
+    for over in (e.over for e in numbers.spec.energies):
         if isinstance(over, (Lattice, Graph)) and over.family and len(families_of(over)) == 2 and places[over.family][1] <= BONDED:
             sites, _ = instances_of(over, numbers.values, places)
-            found.setdefault(over.family, []).append(np.stack([sites[index] for index in families_of(over)], axis=1))
+            found.setdefault(over.family, []).append(both_present(numbers, over.family, np.stack([sites[index] for index in families_of(over)], axis=1)))
     return {family: np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) for family, pairs in found.items()}
 
 

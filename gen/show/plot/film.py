@@ -68,7 +68,7 @@ def sphere_film(t, states: dict, title: str = "", note: str = "", units=NONE):
     ax = figure.subplots()
     sphere.ball(ax, view, max(float(np.linalg.norm(w[0], axis=1).max()) for w in states.values()))
     sites = [(w[:, i], color) for (_, w), colors in zip(states.items(), of_sites({n: w.shape[1] for n, w in states.items()}).values())
-             for i, color in enumerate(colors)]
+             for i, color in enumerate(colors) if w[0, i].any()]      # the others are absent
     every = len(sites)
     sites = [sites[i] for i in thinned(every, POINTS)]
     trail = len(keep) // 12 if len(sites) <= 60 else 0

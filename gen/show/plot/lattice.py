@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from .chain import CELLS, thinned
+from .chain import CELLS, directions as directions_of, thinned
 from .colours import INK
 from .style import footnote, panels, styled
 from .text import of_all, shown
@@ -27,8 +27,7 @@ def lattice_images(t, w, title: str = "", note: str = "", directions=(0, 1), tol
     placed: can the sites be drawn where they stand? names: of those of a cell.
     """
     keep, rows, columns = thinned(len(t), TIMES), thinned(w.shape[1], CELLS), thinned(w.shape[2], CELLS)
-    part = np.asarray(w, float)[keep][:, rows][:, :, columns]
-    unit = part / np.maximum(np.linalg.norm(part, axis=-1, keepdims=True), 1e-300)
+    unit = directions_of(np.asarray(w, float)[keep][:, rows][:, :, columns])
     figure, axes, across = panels(len(keep), len(rows) / len(columns) if squares(unit[0]) else 1.0)
     for k, (ax, time, state) in enumerate(zip(axes, np.asarray(t)[keep], unit)):
         image = one_image(ax, state, columns, rows)

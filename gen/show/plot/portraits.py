@@ -135,7 +135,7 @@ def several(states, title: str = "", view: View = View(), points: bool = False):
     """
     figure = new_figure(4.6, 4.8)
     ax = figure.subplots()
-    radii = sorted({round(float(r), 6) for w in states.values() for r in np.linalg.norm(w[0], axis=1)})
+    radii = sorted({float(f"{r:.6g}") for w in states.values() for r in np.linalg.norm(w[0], axis=1) if r > 0})
     sphere.ball(ax, view, radii[-1], label=shown(title))
     for r in radii[:-1]:
         t = np.linspace(0, 2 * np.pi, 121)

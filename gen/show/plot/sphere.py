@@ -78,8 +78,8 @@ def lines(ax, pieces, color, width, alpha=1.0, zorder=3.0) -> None:
 
 def curve(ax, w, view: View = View(), color=BLUE, width: float = 1.1, casimir=None,
           reach=np.inf) -> None:
-    """A trajectory w (k, 3), solid where it is seen and faint behind the surface."""
-    front, back = split(w, view, casimir, reach)
+    """A trajectory w (k, 3), solid where it is seen and faint behind the surface; nothing of a site that is absent."""
+    front, back = split(present(w), view, casimir, reach)
     lines(ax, back, color, 0.8 * width, alpha=0.22, zorder=2.0)
     lines(ax, front, color, width, zorder=3.0)
 
@@ -87,14 +87,20 @@ def curve(ax, w, view: View = View(), color=BLUE, width: float = 1.1, casimir=No
 def points(ax, w, view: View = View(), color=BLUE, size: float = 2.0, marker="o",
            rasterized: bool = False, zorder: float = 3.0, edge="none",
            label=None) -> None:
-    """Points w (k, 3), solid where they are seen and faint behind."""
-    w = np.asarray(w, float).reshape(-1, 3)
+    """Points w (k, 3), solid where they are seen and faint behind; none where w = 0, of sites that are absent."""
+    w = present(np.reshape(w, (-1, 3)))
     flat, seen = view.project(w), visible(w, view)
     for mask, shade, rim, level in ((~seen, misty(color), misty(edge), zorder - 1),
                                     (seen, color, edge, zorder)):
         ax.scatter(flat[mask, 0], flat[mask, 1], s=size, c=[shade], marker=marker, zorder=level,
                    edgecolors=rim, linewidths=0 if edge == "none" else 0.8,
                    rasterized=rasterized, label=label if level == zorder else None)
+
+
+def present(w):
+    """Those of the vectors (k, 3) that are not 0."""
+    w = np.asarray(w, float)
+    return w[np.any(w != 0, axis=1)]
 
 
 def misty(color):

@@ -16,8 +16,8 @@ SITE_OUTPUTS = 1_000_000    # sites times outputs up to which a page carries the
 MAPS = 8            # most of them
 
 
-def standing(numbers: Evaluated) -> dict:
-    """family -> {"places": (n, 3), "unit": theirs, "names": of the sites of a cell, "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families
+def standing(numbers: Evaluated, scene: Evaluated) -> dict:
+    """Of a spec, and of its scene whose bonds are shown: family -> {"places": (n, 3), "unit": theirs, "names": of the sites of a cell, "links": (m, 2) numbers of sites that a bond joins there, not through a boundary}; families
     without places are left out."""
     found = {}
     for name, (_, count) in numbers.places.items():
@@ -26,7 +26,7 @@ def standing(numbers: Evaluated) -> dict:
             over = placed_on(numbers.spec, name)
             unit, size = length_of(numbers.spec.units, over)
             names = over.places.names if isinstance(over, Lattice) else ()
-            found[name] = {"places": where / size, "unit": unit, "names": names, "links": links(numbers, name, where)[:LINKS]}
+            found[name] = {"places": where / size, "unit": unit, "names": names, "links": links(numbers, scene, name, where)[:LINKS]}
     return found
 
 
@@ -42,10 +42,17 @@ def length_of(units, over) -> tuple[str, float]:
     return over.places.unit, float(units.factor(unit_named(over.places.unit)))
 
 
-def links(numbers: Evaluated, family: str, where) -> np.ndarray:
+def links(numbers: Evaluated, scene: Evaluated, family: str, where) -> np.ndarray:
     """The bonds whose vector is the difference of the places of their ends."""
-    pairs, along = bonds(numbers.spec, family, numbers.values), bond_vectors(numbers.spec, family, numbers.values)
-    return pairs[np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - along).max(axis=1, initial=0) <= 1e-6 * np.abs(along).max(initial=0)]
+    asked = numbers.spec, family, numbers.values, scene.spec
+    pairs, along = bonds(*asked), bond_vectors(*asked)
+    near = np.abs(where[pairs[:, 1]] - where[pairs[:, 0]] - along).max(axis=1, initial=0) <= 1e-6 * np.abs(along).max(initial=0)
+    return both_present(scene, family, pairs[near])
+
+
+def both_present(numbers: Evaluated, family: str, pairs) -> np.ndarray:
+    """Those of the pairs of sites (m, 2) of which neither is absent."""
+    return pairs[numbers.present[numbers.places[family][0] + pairs].all(axis=1)]
 
 
 def site_terms(spec, called) -> list:
@@ -80,10 +87,11 @@ def shares(label: str, term, numbers: Evaluated, t, states: dict):
     if not homes:
         return
     sites, columns = instances_of(term.over, numbers.values, numbers.places)
+    there = np.all([numbers.present[numbers.places[family][0] + sites[index]] for index, family in families_of(term.over).items()], axis=0)
     sums = {family: np.zeros(states[family].shape[:2]) for family in set(homes.values())}
     for k, time in enumerate(t):
         env = {**numbers.values, **sites, **columns, "t": time, "spins": {name: w[k] for name, w in states.items()}}
-        value = np.broadcast_to(evaluate(term.value, env), len(next(iter(sites.values())))) / len(homes)
+        value = np.where(there, evaluate(term.value, env), 0) / len(homes)
         for index, family in homes.items():
             sums[family][k] += np.bincount(sites[index], value, states[family].shape[1])
     for family, values in sums.items():
