@@ -167,9 +167,8 @@ random = 2
 """
 
 
-@pytest.mark.parametrize("space, form", [('sphere = 4, kappa = "1 - 3*mod(i, 2)", radius = "1 + i/4"', "gilbert"), ("sphere = 4, kappa = -2, radius = 1.5", "ll"),
-                                         ("r3 = 4, kappa = 0.7", "ll")])
-@pytest.mark.parametrize("held", ["pinned", "absent"])
+@pytest.mark.parametrize("space, form, held", [('sphere = 4, kappa = "1 - 3*mod(i, 2)", radius = "1 + i/4"', "gilbert", "pinned"),
+                                               ("sphere = 4, kappa = -2, radius = 1.5", "ll", "absent"), ("r3 = 4, kappa = 0.7", "ll", "pinned")], ids=["gilbert", "ll", "r3"])
 def test_dampings_torques_and_sites_that_do_not_move_are_in_the_equation(space, form, held):
     spec = load_text(MOVED.format(space=space, form=form, held=held))
     model, one = smidgen.build(spec).start("any", h=0.1), Witness(spec)

@@ -246,7 +246,7 @@ ONE = '[model]\nname = "one"\n[space]\nw = {{ {} = {} }}\n[effects.a]\nover = "s
     ("cos(0.3)*w[i].x + sin(0.3)*w[i].y", [np.cos(0.3), np.sin(0.3), 0]),
     ("exp(0.5)*w[i].x + 2*w[i].y + log(3)*w[i].z", [np.exp(0.5), 2, np.log(3)]),
     ("sqrt(2)*w[i].x + 2^0.3*w[i].y + pi*w[i].z", [2 ** 0.5, 2 ** 0.3, np.pi])])
-@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_axes_with_constants_are_found(energy, axis, count):
     spec = load_text(ONE.format("sphere", count, energy))
     report = explain(spec)

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 import smidgen
+from smidgen.analyse.spectrum import fitting
 from support.magnets import AXIS, DMI, FIELD, NEEL, RATE, TURNS, magnet, shaken
 
 pytestmark = pytest.mark.quick
@@ -175,6 +176,13 @@ def test_states_without_a_linear_motion_are_refused(more, said):
 def test_wave_vectors_and_cells_that_are_none_are_refused(given):
     with pytest.raises(smidgen.UsageError):
         smidgen.spin_waves(magnet("chain"), **{"q": "0 1/2", **given})
+
+
+def test_lines_of_another_family_are_refused():
+    found = smidgen.spin_waves(magnet("chain"), q="0 1/2")
+    assert fitting(found, "w", found.q) is found
+    with pytest.raises(smidgen.UsageError, match="seen in 'w', not in 'v'"):
+        fitting(found, "v", found.q)
 
 
 def test_spins_without_a_field_have_a_line_each():
