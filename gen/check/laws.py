@@ -61,6 +61,11 @@ def checked(says: dict, piece) -> dict:
                             ("law", list, "a list of laws"), ("mean", list, "a list of laws")):
         if key in says and not isinstance(says[key], kind):
             raise UsageError(f"the test of {piece.name}: `{key}` is {what}")
+    laws = [*says.get("law", ()), *says.get("mean", ())]
+    if says["steps"] < 1 or not says["time"]:
+        raise UsageError(f"the test of {piece.name}: `steps` must be at least 1, and `time` not 0")
+    if not laws or not all(isinstance(law, str) for law in laws):
+        raise UsageError(f"the test of {piece.name}: `law` or `mean` must list at least one law, as text")
     return says
 
 

@@ -358,10 +358,14 @@ def test_a_piece_without_a_test_and_one_whose_test_is_no_spec(tmp_path):
     (tmp_path / "plain.toml").write_text(text.partition("[test]")[0])
     assert verdicts(piece("plain", [tmp_path]), [tmp_path]) == []
     for old, new, said in (
-            ("law = [", 'law = ["w[0] = w0[0]", ', "left == right"), ("B = [0.3", "C = [0.3", "does not give `B`"), ("mu = 2 }", 'mu = 2 }\nwithin = "much"', "`within` is a number")):
+            ("law = [", 'law = ["w[0] = w0[0]", ', "left == right"), ("B = [0.3", "C = [0.3", "does not give `B`"), ("mu = 2 }", 'mu = 2 }\nwithin = "much"', "`within` is a number"),
+            ("mu = 2 }", "mu = 2 }\nsteps = 0", "`steps` must be at least 1"), ("law = [", "law = [3, ", "as text")):
         (tmp_path / "wrong.toml").write_text(text[:text.index("[test]")] + text[text.index("[test]"):].replace(old, new))
         with pytest.raises(smidgen.SmidgenError, match=said):
             verdicts(piece("wrong", [tmp_path]), [tmp_path])
+    (tmp_path / "none.toml").write_text(text[:text.index("[test]")] + "[test]\narguments = { B = [0, 0, 1] }\n")
+    with pytest.raises(smidgen.UsageError, match="at least one law"):
+        verdicts(piece("none", [tmp_path]), [tmp_path])
 
 
 # A scene without a piece, and with it
