@@ -182,7 +182,7 @@ def test_what_pictures_and_charges_take_for_the_lattice():
     effects = [effect(k, over, 0.3) for k, over in enumerate(("square(6, 5, periodic)", "square(5, 6, periodic)", "chain(30, open)"))]
     for order in itertools.permutations(effects):
         spec = spec_of(30, order)
-        bonds.add(facts.bonds(Evaluated(spec), {e.name for e in spec.effects})["w"].tobytes())
+        bonds.add(facts.bonds(Evaluated(spec))["w"].tobytes())
         charged.add(film_of(smidgen.build(spec), "w"))
     assert len(bonds) == 1 and charged == {None}
     assert film_of(smidgen.build(spec_of(30, effects[::2])), "w").size == (6, 5)
