@@ -207,7 +207,7 @@ def field_lines(case: Case) -> list[Line]:
     """Worst of the random states, each in units of its own bound."""
     seen, refused = {}, 0
     for _ in range(case.points):
-        w, t = case.random_state(), float(case.dice.uniform(0, STEPS * case.settings.h))
+        w, t = case.random_state(), case.dice.uniform() * STEPS * case.settings.h
         case.begin(case.w, case.settings.h)
         try:
             found = compare_at(case, w, t)

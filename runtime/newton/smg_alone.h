@@ -176,8 +176,8 @@ static smg_status smg_site_newton(smg_state *s, smg_real h, int64_t k, smg_real 
   for (int it = 0;; ++it) {
     smg_site_equation e;
     if (!smg_site_evaluate(s, h, k, mbar, &e, u)) return SMG_NO_CONVERGENCE; /* of this iterate: no proof */
-    smg_change now = {0, 0, smg_product_scale(c, k, h, e.m, e.g)};
-    smg_residual(s, k, mbar, u, e.r, &now);
+    smg_change now = {0, 0, 0};
+    smg_residual(s, k, mbar, u, smg_product_scale(c, k, h, e.m, e.g), e.r, &now);
     s->report.iterations = it;
     s->report.residual = now.absolute;
     if (!(now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;

@@ -41,8 +41,8 @@ static smg_change smg_evaluate(smg_state *s, smg_real h) {
   for (int64_t row = 0; row < smg_coupled(c); ++row) {
     const int64_t k = smg_site(c, row);
     smg_increment(c, k, h, s->m + 3 * k, s->g + 3 * k, s->u + 3 * k);
-    smg_take(&change.rounding_scale, smg_site_up(s, k) * smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k));
-    smg_residual(s, k, s->mbar + 3 * k, s->u + 3 * k, s->r + 3 * k, &change);
+    smg_residual(s, k, s->mbar + 3 * k, s->u + 3 * k, smg_product_scale(c, k, h, s->m + 3 * k, s->g + 3 * k),
+                 s->r + 3 * k, &change);
   }
   return change;
 }

@@ -35,14 +35,16 @@ SMG_INLINE smg_real smg_site_up(const smg_state *s, int64_t k) {
   return smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
 }
 
-/* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it is. */
-SMG_INLINE void smg_residual(const smg_state *s, int64_t k, const smg_real *mbar, const smg_real *u, smg_real *r,
-                             smg_change *change) {
+/* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it and the products are that u is made
+ * of. */
+SMG_INLINE void smg_residual(const smg_state *s, int64_t k, const smg_real *mbar, const smg_real *u, smg_real products,
+                             smg_real *r, smg_change *change) {
   const smg_real *w = s->w + 3 * k, up = smg_site_up(s, k);
   for (int b = 0; b < 3; ++b) {
     r[b] = w[b] + 0.5 * u[b] - mbar[b];
     smg_change_add(change, r[b], SMG_MATH(fabs)(w[b]) + 0.5 * SMG_MATH(fabs)(u[b]), up);
   }
+  smg_take(&change->rounding_scale, up * products);
 }
 
 /* Takes from u its part along grad C at the midpoint of w + compensation, which is round-off of the product h X. */

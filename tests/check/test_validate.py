@@ -203,6 +203,12 @@ steps = 10
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("h", [-0.1, 0.1])
+def test_steps_in_both_directions_of_time(h):
+    assert validate(smidgen.load("forced_rigid_body"), h=h, steps=10).passed
+
+
+@pytest.mark.quick
 def test_short_vectors_are_compared_in_units_of_their_length(monkeypatch):
     right, wrong = (smidgen.load_text(SMALL.format(a)) for a in (0.3, 0.5))
     validate(right).check()

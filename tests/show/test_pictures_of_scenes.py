@@ -71,6 +71,15 @@ def test_absent_sites_have_no_colour_and_no_point(holed):
     assert len(portraits.several(holed.w).axes[0].lines) and frame(0) is None
 
 
+@pytest.mark.parametrize("times", [[3.0], [0.0, 0.5, 1.0], [0.0, -0.5, -1.0]])
+def test_an_output_is_in_the_middle_of_its_row(times):
+    """Also a single one, and those of a run backward."""
+    w = np.random.default_rng(1).normal(size=(len(times), 5, 3))
+    low, high = chain.chain_image(np.array(times), w).axes[0].images[0].get_extent()[2:]
+    edges = np.linspace(low, high, len(times) + 1)
+    assert np.allclose((edges[1:] + edges[:-1]) / 2, times) and low != high
+
+
 def test_the_ball_has_the_radius_of_the_spins(holed):
     ball = chain.chain_curves(holed.t, holed.w["w"], bonds=holed.meta["bonds"]["w"]).axes[0].images[0]
     assert ball.get_extent() == pytest.approx([-2.5, 2.5, -2.5, 2.5])
