@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from smidgen.run.fields import ovf, vtk
 from smidgen.run.fields.field import Field, load_field, save_field
 from smidgen.run.fields.grid import Grid
-from support.lattices import FILM, HONEY, random_spins
+from support.lattices import FILM, HONEY, MEASURED, random_spins
 
 pytestmark = pytest.mark.quick
 ENDINGS, FORMS = (".ovf", ".vtk"), (True, False)
@@ -279,32 +279,10 @@ def test_numbers_beyond_those_that_are_promised_are_refused(tmp_path):
         load_field(path)
 
 
-MEASURED = """
-[model]
-name = "crystal"
-[units]
-energy = "meV"
-time = "fs"
-{length}
-[lattices.net]
-size = [3, 2]
-boundary = "periodic"
-vectors = [[1, 0], [0, 2]]
-{constant}
-[space]
-w = {{ sphere = "net", moment = "1 mu_B" }}
-[effects.exchange]
-over = "bond(i, j) of net.first"
-energy = "-1 meV*dot(w[i], w[j])"
-[starts.random]
-random = 1
-"""
-
-
 @pytest.mark.parametrize("length, constant, unit, step", [('length = "nm"', 'constant = "3 angstrom"', "nm", 0.3), ("", 'constant = "3 angstrom"', "m", 3e-10),
                                                           ("", "", "1", 1)])
 def test_a_mesh_has_the_unit_of_its_lengths(tmp_path, length, constant, unit, step):
-    found = smidgen.run(smidgen.load_text(MEASURED.format(length=length, constant=constant)), start="random", h="1 fs", steps=0)
+    found = smidgen.run(smidgen.load_text(MEASURED.format(length=length, constant=constant, cell="vectors = [[1, 0], [0, 2]]")), start="random", h="1 fs", steps=0)
     lines = smidgen.snapshot(found, tmp_path / "a.ovf", text=True).read_text().splitlines()
     assert f"# meshunit: {unit}" in lines
     assert [float(line.split()[2]) for line in lines if "stepsize" in line] == pytest.approx([step, 2 * step, step], rel=1e-15)

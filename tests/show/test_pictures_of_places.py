@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import smidgen
 from PIL import Image
+from support.lattices import MEASURED
 from support.pages import blocks
 from support.pictures import data_of, film, ring, top  # noqa: F401
 
@@ -65,32 +66,12 @@ def test_bonds_are_drawn_between_neighbours_alone(over):
         assert len(rays) == each and (np.allclose(turns, 360 / each, atol=1e-3) or "kagome" in over)
 
 
-MEASURED = """
-[model]
-name = "crystal"
-[units]
-energy = "meV"
-time = "fs"
-{length}
-[lattices.net]
-size = [6, 6]
-boundary = "periodic"
-constant = "{constant}"
-{cell}
-[space]
-w = {{ sphere = "net", moment = "1 mu_B" }}
-[effects.exchange]
-over = "bond(i, j) of net.first"
-energy = "-1 meV*dot(w[i], w[j])"
-[starts.random]
-random = 1
-"""
 CELLS = ('name = "honeycomb"', "vectors = [[2, 0], [1, 1]]\npositions = [[0, 0], [0.5, 0]]")
 
 
 def of_constant(cell, constant, length=""):
     """(the stage, the names of its axes, what the player carries) of a lattice whose constant has a unit."""
-    drawn = draw.result_of(smidgen.run(smidgen.load_text(MEASURED.format(cell=cell, constant=constant, length=length)), start="random", h="1 fs", steps=2, what=["states"]), None)
+    drawn = draw.result_of(smidgen.run(smidgen.load_text(MEASURED.format(cell=cell, constant=f'constant = "{constant}"', length=length)), start="random", h="1 fs", steps=2, what=["states"]), None)
     _, stage, _ = pictures.stage_of(drawn, {})
     axes = style.styled(pictures.draw_places)(drawn).axes
     return stage, {ax.get_xlabel() for ax in axes if ax.get_xlabel()}, data_of(draw.page(drawn))["families"][0]

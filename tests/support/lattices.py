@@ -27,6 +27,27 @@ bonds.a = [{ from = 0, to = 1, offset = [0, 0] }]
 """
 
 
+MEASURED = """[model]
+name = "crystal"
+[units]
+energy = "meV"
+time = "fs"
+{length}
+[lattices.net]
+size = [6, 6]
+boundary = "periodic"
+{constant}
+{cell}
+[space]
+w = {{ sphere = "net", moment = "1 mu_B" }}
+[effects.exchange]
+over = "bond(i, j) of net.first"
+energy = "-1 meV*dot(w[i], w[j])"
+[starts.random]
+random = 1
+"""
+
+
 def random_spins(count, seed=3):
     """Unit vectors (count, 3)."""
     w = np.random.default_rng(seed).standard_normal((count, 3))
