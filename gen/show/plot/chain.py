@@ -33,7 +33,7 @@ def chain_image(t, w, title: str = "", note: str = "", told=plain):
     """
     keep, sites = thinned(len(t)), thinned(w.shape[1])
     unit = directions(np.asarray(w, float)[keep][:, sites])
-    half = (t[-1] - t[0]) / max(len(keep) - 1, 1) / 2 or 0.5      # an output is in the middle of its row
+    half = (t[-1] - t[0]) / (len(keep) - 1) / 2     # an output is in the middle of its row
     height = np.clip(unit[..., 2], -1, 1)
     shown_as = [(r"$\theta$ (rad)", np.arccos(height), "cividis", None, None),
                 (r"$\phi$ (rad)", np.arctan2(unit[..., 1], unit[..., 0]), "twilight", -np.pi, np.pi),
