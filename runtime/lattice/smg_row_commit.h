@@ -107,7 +107,10 @@ SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int terms) 
   }
 }
 
-static void smg_go_on(const smg_row_going go, smg_share part) {
+#if SMG_UNIT == 1
+SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part);
+#else
+SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part) {
   if (go.terms == 1) smg_go_on_by(go, part, 1);
 #if SMG_COMPOSED
   else if (go.terms == 6) smg_go_on_by(go, part, 6);
@@ -122,6 +125,7 @@ static void smg_go_on(const smg_row_going go, smg_share part) {
   else if (go.terms == 3) smg_go_on_by(go, part, 3);
   else smg_go_on_by(go, part, 0);
 }
+#endif
 
 /* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other
  * across the seam of a ring that is no multiple of the colours. */
