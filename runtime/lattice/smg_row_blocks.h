@@ -16,7 +16,7 @@
 
 #ifndef SMG_BLOCKS_TO
 #if SMG_ROW_TURNS
-#define SMG_BLOCKS_TO INT32_MAX /* slots */
+#define SMG_BLOCKS_TO (SMG_SOME_TURNED / 2 - 1) /* slots */
 #else
 #define SMG_BLOCKS_TO (SMG_LARGE_PLANE - 1) /* beyond, wavefronts are worth more */
 #endif
@@ -149,7 +149,7 @@ SMG_INLINE void smg_each_in_blocks(const smg_coefficients *c, const smg_blocks *
   } while (smg_next_vector(b, &v));
 }
 
-/* The table: of each vector, the slots of what is beside its lane 0. */
+/* The table: of each vector, where what is beside its lane 0 stands. */
 static inline size_t smg_beside_size(const smg_coefficients *c) {
   return ((size_t)(smg_slots(c) / SMG_WIDEST * SMG_BESIDES) * sizeof(smg_slot_beside) + sizeof(smg_real) - 1) /
          sizeof(smg_real);
@@ -160,11 +160,15 @@ static inline void smg_fill_beside(const smg_coefficients *c, const smg_blocks *
   smg_block_vector v = smg_first_vector();
   do {
     const int64_t found = smg_offsets(v.sub, beside);
-    for (int64_t k = 0; k < found; ++k) {
+    smg_slot_beside *of = table + v.slot / SMG_WIDEST * SMG_BESIDES;
+    int turned = 0;
+    for (int64_t k = 0; k < SMG_BESIDES; ++k) {
       int64_t cell[4];
-      for (int d = 0; d < 4; ++d) cell[d] = smg_left(v.cell[d] + beside[k].cell[d], smg_cells(c, d));
-      table[v.slot / SMG_WIDEST * SMG_BESIDES + k] = (smg_slot_beside)smg_slot_in_blocks(c, b, beside[k].sub, cell);
+      for (int d = 0; d < 4 && k < found; ++d) cell[d] = smg_left(v.cell[d] + beside[k].cell[d], smg_cells(c, d));
+      of[k] = k < found ? (smg_slot_beside)(smg_slot_in_blocks(c, b, beside[k].sub, cell) - v.slot) : 0;
+      turned |= of[k] % SMG_WIDEST != 0;
     }
+    for (int64_t k = 0; turned && k < SMG_BESIDES; ++k) of[k] += SMG_SOME_TURNED;
   } while (smg_next_vector(b, &v));
 }
 

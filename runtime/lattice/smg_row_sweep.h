@@ -134,23 +134,29 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
   }
 }
 
+/* From there to the midpoints of a piece. */
+SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece, int watched, int small, int last,
+                                 smg_row_motion *moved) {
+  for (int64_t k = 0; k < piece->size; k += SMG_LANES) {
+    const smg_lanes none = {0};
+    smg_lanes v[3], field[3] = {none, none, none};
+    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
+    if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+    smg_turn_slots(turn, piece->start + k, piece->size - k, v, field, watched, small, last, moved);
+  }
+}
+
 /* The spins of a piece. */
 SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece,
                                enum smg_row_way way, int watched, int small, int last, smg_row_motion *moved) {
-  const int64_t size = piece->size, start = piece->start;
   smg_row_motion most = *moved;
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
     if (SMG_BLOCKS && run.beside) smg_aim_run(c, turn, &run, 1, way, small, last, piece, k);
     else smg_aim_run(c, turn, &run, 0, way, small, last, piece, k);
   }
-  for (int64_t k = 0; k < size; k += SMG_LANES) {
-    const smg_lanes none = {0};
-    smg_lanes v[3], field[3] = {none, none, none};
-    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
-    if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
-    smg_turn_slots(turn, start + k, size - k, v, field, watched, small, last, &most);
-  }
+  if (watched) smg_turn_vectors(turn, piece, 1, small, last, &most);
+  else smg_turn_vectors(turn, piece, 0, 0, 0, &most);
   *moved = most;
 }
 

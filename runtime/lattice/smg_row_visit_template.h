@@ -6,7 +6,11 @@
 SMG_INLINE void smg_run_gradient(const smg_coefficients *c, const smg_run *run, int blocks, const smg_real *m,
                                  int64_t pitch, int64_t j, int64_t p, smg_lanes *g) {
   smg_lane_zero(g, 3);
-  smg_slot_gradient(c, run, blocks, m, pitch, j, p, g);
+  if (smg_standing_of(run, blocks, j) == SMG_STRAIGHT_ON) {
+    smg_run straight = *run;
+    SMG_ANEW(straight.beside);
+    smg_slot_gradient(c, &straight, SMG_STRAIGHT_ON, m, pitch, j, p, g);
+  } else smg_slot_gradient(c, run, blocks, m, pitch, j, p, g);
   if (!blocks) smg_only_sites(run, p, g);
 }
 

@@ -49,7 +49,8 @@ SMG_INLINE void smg_weigh_piece(const smg_coefficients *c, const smg_norms_besid
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
     const int blocks = SMG_BLOCKS && run.beside;
     for (int64_t j = run.from, p = j; j < run.to; j += SMG_LANES, p = smg_next_place(p, run.length))
-      smg_lane_put(piece->g + k + j - run.from, smg_weight_beside(norms, &run, blocks, d, j, p));
+      smg_lane_put(piece->g + k + j - run.from,
+                   smg_weight_beside(norms, &run, smg_standing_of(&run, blocks, j), d, j, p));
   }
   for (int64_t k = 0, at = piece->start; k < piece->size; k += SMG_LANES, at += SMG_LANES) {
     const smg_lanes now = smg_lane_take(d + at), pulled = smg_lane_take(t + at) * smg_lane_take(piece->g + k);

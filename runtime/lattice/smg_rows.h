@@ -248,13 +248,14 @@ typedef struct smg_beside {
 
 #define SMG_EVERYWHERE INT64_MAX
 
-/* In blocks: the slots beside lane 0 of a vector, SMG_BESIDES of them; and which lane each takes where lane 0 takes the
- * t-th. */
+/* In blocks: how many slots what is beside lane 0 of a vector stands from that, SMG_BESIDES of them; where it is not
+ * lane 0 of a vector, all of them and SMG_SOME_TURNED; and which lane each takes where lane 0 takes the t-th. */
 #if defined(__GNUC__)
 typedef int32_t smg_slot_beside __attribute__((may_alias));
 #else
 typedef int32_t smg_slot_beside;
 #endif
+#define SMG_SOME_TURNED (1 << 27)
 typedef struct smg_lane_order {
   SMG_LINES int64_t of[SMG_WIDEST];
 } smg_lane_order;
@@ -370,14 +371,25 @@ SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_
 #endif
 }
 
+/* How sites find what is beside them: by rows; in blocks; in blocks from vectors that all stand as they are. */
+enum smg_standing { SMG_IN_ROWS, SMG_IN_BLOCKS, SMG_STRAIGHT_ON };
+
+/* Of a vector of a run of blocks. */
+SMG_INLINE const smg_slot_beside *smg_beside_of(const smg_run *run, int64_t j) {
+  return run->beside + (uint64_t)(run->start + j) / SMG_WIDEST * SMG_BESIDES;
+}
+SMG_INLINE enum smg_standing smg_standing_of(const smg_run *run, int blocks, int64_t j) {
+  return !blocks ? SMG_IN_ROWS : *smg_beside_of(run, j) < SMG_SOME_TURNED / 2 ? SMG_STRAIGHT_ON : SMG_IN_BLOCKS;
+}
+
 /* The n-th vectors beside the slots from the j-th on of a run of blocks. */
-SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *all, int64_t pitch, int64_t j,
+SMG_INLINE void smg_take_in_blocks(const smg_run *run, int blocks, int n, const smg_real *all, int64_t pitch, int64_t j,
                                    smg_lanes *v) {
-  const uint64_t slot = (uint64_t)(run->start + j), lane = SMG_LANES < SMG_WIDEST ? slot % SMG_WIDEST : 0;
-  const uint64_t beside = (uint64_t)run->beside[slot / SMG_WIDEST * SMG_BESIDES + (uint64_t)n], t = beside % SMG_WIDEST;
-  const smg_real *vector = all + (beside - t);
-  if (t == 0) smg_take_slots(vector, pitch, (int64_t)lane, v);
-  else smg_take_turned(vector, pitch, run->order[t].of + lane, v);
+  const int64_t slot = run->start + j, beside = smg_beside_of(run, j)[n], to = slot + beside - SMG_SOME_TURNED;
+  const int64_t t = (uint64_t)beside % SMG_WIDEST, lane = (uint64_t)slot % SMG_WIDEST;
+  if (blocks == SMG_STRAIGHT_ON) smg_take_slots(all + slot, pitch, beside, v);
+  else if (t == 0) smg_take_slots(all, pitch, to, v);
+  else smg_take_turned(all + (to - t - lane), pitch, run->order[t].of + lane, v);
 }
 
 /* Those beside the sites from the j-th on of a run, the p-th of its row. around: may they stand around a ring, beyond
@@ -385,7 +397,7 @@ SMG_INLINE void smg_take_in_blocks(const smg_run *run, int n, const smg_real *al
 SMG_INLINE void smg_take_beside(const smg_run *run, int blocks, int n, int around, int64_t p, const smg_real *all,
                                 int64_t pitch, int64_t j, smg_lanes *v) {
   if (blocks) {
-    smg_take_in_blocks(run, n, all, pitch, j, v);
+    smg_take_in_blocks(run, blocks, n, all, pitch, j, v);
     return;
   }
   const smg_beside *b = run->b + n;
