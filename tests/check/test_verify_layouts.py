@@ -12,8 +12,8 @@ from smidgen.check.verify.members import members
 from smidgen.check.verify.noise import noise
 from smidgen.check.verify.refusals import refusals
 from smidgen.check.verify.restore import restore
-from smidgen.check.verify.row import NO, YES
-from smidgen.check.verify.shared import shared
+from smidgen.check.verify.row import NO, NOT_APPLICABLE, YES
+from smidgen.check.verify.shared import broken, shared
 from smidgen.check.verify.whole_space import whole_space
 from smidgen.check.verify.witness_check import step
 
@@ -76,3 +76,16 @@ def test_what_is_not_known_of_stages_by_rows_is_said():
     case = SimpleNamespace(settings=SimpleNamespace(method="spherical-midpoint-4"), unseen=[])
     (row,) = contraction(case, SimpleNamespace(double=SimpleNamespace(notes={"threads": True})))
     assert "no equation for a stage" in row.note and case.unseen == ["by rows: whether the sweeps of every stage contract"]
+
+
+@pytest.mark.parametrize("files, said, verdict, note", [
+    ({}, "----\nmpirun has detected an attempt to run as root.\n----\n", NOT_APPLICABLE, "mpirun: mpirun has detected"),
+    ({"began-0": "", "began-1": ""}, "----\nPrimary job\n----\nrank 1 exited on signal 11 (Segmentation fault).\n", NO, "exited on signal 11"),
+    ({"began-0": "", "began-1": "", "found-0": ""}, "", NO, "exit code 3"),
+    ({"began-0": "", "failed-0": "RunError: no step"}, "Traceback\n", NO, "RunError: no step")])
+def test_ranks_that_began_and_did_not_finish_are_a_no(tmp_path, files, said, verdict, note):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    case = SimpleNamespace(unseen=[])
+    row = broken(case, tmp_path, SimpleNamespace(stderr=said, returncode=3))
+    assert row.verdict == verdict and note in row.note and bool(case.unseen) == (verdict == NOT_APPLICABLE)

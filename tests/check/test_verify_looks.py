@@ -1,18 +1,23 @@
 """What rows of `verify` look at: nothing passes unseen, and no right model is refused for what it is."""
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import smidgen
 from smidgen.check.verify import noise as noise_rows, outputs as output_rows
-from smidgen.check.verify.branch import branch
+from smidgen.check.verify.branch import branch, followed
 from smidgen.check.verify.case import Case
 from smidgen.check.verify.casimirs import casimirs
+from smidgen.check.verify.contraction import slopes
+from smidgen.check.verify.leaves import lengths
 from smidgen.check.verify.along import along
+from smidgen.check.verify.effort import effort
 from smidgen.check.verify.equivariant import equivariant
 from smidgen.check.verify.integrals import known_integrals
 from smidgen.check.verify.order import order
 from smidgen.check.verify.outputs import outputs
-from smidgen.check.verify.refusals import refusals
+from smidgen.check.verify.refusals import SURE, longest, refusals
 from smidgen.check.verify.round_off import round_off
 from smidgen.check.verify.row import NO, NOT_APPLICABLE, YES
 from smidgen.check.verify.subject import Emitted
@@ -49,6 +54,12 @@ pinned = "i == 2"
 """
 
 
+def cased(space, effects):
+    """What is looked at, without the compiled code."""
+    spec = smidgen.load_text(TEXT.format(space=space, effects=effects, start="w = { random = 3 }", h=0.1))
+    return Case(spec, settle(spec), 2, tier=1000)
+
+
 def made(space, effects, at="w = { random = 3 }", h=0.1, **given):
     spec = smidgen.load_text(TEXT.format(space=space, effects=effects, start=at, h=h))
     settings = settle(spec, **given)
@@ -70,9 +81,44 @@ def test_a_torque_alone_moves_sites():
         assert row.verdict == YES and steps_of(row) > 0, row
 
 
+@pytest.mark.parametrize("effect", ['torque = "cross(w[i], cross(w[i], vec(0.3, 0.1, 1)))"', 'energy = "w[i].z"'])
+def test_steps_in_closed_form_have_no_iterations_to_certify(effect):
+    rows = effort(*made("w = { sphere = 2 }", f'[effects.turn]\nover = "site(i) of w"\n{effect}\n'))
+    assert {row.verdict for row in rows} == {NOT_APPLICABLE} and all("closed form" in row.note for row in rows)
+
+
+def test_steps_that_iterate_are_looked_at():
+    rows = effort(*made("w = { sphere = 2 }", PLAIN.format("w[i].z^2")))
+    assert {row.verdict for row in rows} == {YES} and not any("closed form" in row.note for row in rows)
+
+
 class Refuses:
     def step(self, *_):
         raise RunError("no step")
+
+
+CHAIN = '[effects.ex]\nover = "bond(i, j) of chain(40, periodic)"\nenergy = "-dot(w[i], w[j])"\n'
+
+
+@pytest.mark.parametrize("space, form, damping", [("sphere", "gilbert", 0), ("sphere", "gilbert", 3), ("sphere", "ll", 3), ("r3", "ll", 3)])
+def test_the_longest_step_of_many_sites_is_shorter_with_damping(space, form, damping):
+    """Up to it no two solutions are possible: changes of R over the space, by differences, are as bounded."""
+    case = cased(f"w = {{ {space} = 40 }}", CHAIN + f'[effects.bath]\nover = "site(i) of w"\ndamping = {damping}\nform = "{form}"\n')
+    w = 2 * case.w if space == "r3" else case.w
+    h = longest(case, w, *slopes(case)) / SURE
+    changed, largest = 0.0, 0.0
+    for _ in range(200):
+        first, second = (case.placed(w * np.where(case.dice.uniform(size=(40, 1)) < 0.5, 1, -1) + 1e-3 * case.dice.standard_normal(w.shape)) for _ in range(2))
+        one, other = case.witness.turning(first, 0.0), case.witness.turning(second, 0.0)
+        changed = max(changed, np.abs(one - other).max() / np.abs(first - second).max() * lengths(w).max())
+        largest = max(largest, lengths(one).max())
+    assert 0.05 < h / 2 * np.hypot(changed, largest) <= 1
+
+
+def test_torques_of_many_sites_have_no_bound():
+    case = cased("w = { sphere = 40 }", '[effects.turn]\nover = "site(i) of w"\ntorque = "cross(w[i], vec(0.3, 0.1, w[i].x^3))"\n')
+    (row,) = refusals(case, Refuses())
+    assert row.verdict == NOT_APPLICABLE and "torques" in row.note and "torques act" in case.unseen[-1]
 
 
 def test_where_nothing_was_followed_nothing_is_certified(monkeypatch):
@@ -81,6 +127,15 @@ def test_where_nothing_was_followed_nothing_is_certified(monkeypatch):
     assert row.verdict == NOT_APPLICABLE and any("followed back" in said for said in case.unseen)
     monkeypatch.setattr(case, "fastest", lambda *_: 0.0)
     assert refusals(case, Refuses())[0].verdict == NOT_APPLICABLE
+
+
+@pytest.mark.parametrize("found, measured, note", [([True] * 18 + [False] + [None] * 41, 1 / 19, "19 followed back to h = 0, 41 others undecided; on another branch: 1"),
+                                                   ([True, True], 0, "2 followed back to h = 0; on another branch: 0")])
+def test_steps_whose_way_back_is_lost_are_not_counted_as_followed(found, measured, note):
+    case = SimpleNamespace(unseen=[])
+    row = followed(case, 99, found)
+    assert row.measured == measured and row.note == f"99 long steps, {note}" and (row.verdict == NO) == (measured > 0)
+    assert len(case.unseen) == (None in found)
 
 
 def test_sites_that_are_absent_or_pinned():

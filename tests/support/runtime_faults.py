@@ -136,6 +136,7 @@ FAULTS = {
     "noise of the last site of a lattice": Fault("noise", "smg_thermal.h", "end = from + all * (thread + 1) / threads;", "end = from + all * (thread + 1) / threads - SMG_BY_ROWS;",
                                                  planted(DAMPED + "kT = 0.2\n")),
     "ghost cells": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  for (int64_t colour = 1; colour + 1 < SMG_COLOURS; ++colour) smg_send_colour(colour);", RING),
+    "ranks that crash": Fault("ranks", HALO, "  for (int64_t colour = 1; colour < SMG_COLOURS; ++colour) smg_send_colour(colour);", "  __builtin_trap();", RING),
 }
 
 

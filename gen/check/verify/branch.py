@@ -50,13 +50,20 @@ def branch(case: Case, subject) -> list[Row]:
         taken += sum(after is not None for _, after in tried)
         found += [judged(case, w, after - w, t, h) for h, after in suspects(w, tried)]
     case.unseen.append(f"whether steps other than the {taken} long ones tried are on the branch")
-    undecided = f", {found.count(None)} of them undecided" * (None in found)
-    wrong = found.count(False)
-    if found.count(None) == len(found):
+    return [followed(case, taken, found)]
+
+
+def followed(case: Case, taken: int, found) -> Row:
+    """The row of what was found of each step that was followed back: True, False, or None where the way back gets lost."""
+    decided, wrong = [one for one in found if one is not None], found.count(False)
+    if not decided:
         case.unseen.append("whether long steps end on another branch: none could be followed back")
-        return [not_applicable("branch", f"none of {taken} long steps could be followed back to h = 0")]
-    note = f"{taken} long steps, {len(found)} followed back to h = 0{undecided}; on another branch: {wrong}"
-    return [at_most("branch", wrong / max(len(found), 1), SHARE, note)]
+        return not_applicable("branch", f"none of {taken} long steps could be followed back to h = 0")
+    lost = len(found) - len(decided)
+    if lost:
+        case.unseen.append(f"whether {lost} of the long steps are on the branch: they could not be followed back")
+    note = f"{taken} long steps, {len(decided)} followed back to h = 0{f', {lost} others undecided' * (lost > 0)}; on another branch: {wrong}"
+    return at_most("branch", wrong / len(decided), SHARE, note)
 
 
 def places(case: Case):

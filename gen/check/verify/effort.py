@@ -43,6 +43,8 @@ def effort(case: Case, subject) -> list[Row]:
         path = Steps(case, another(one))
     except RunError as error:
         return neither(f"the steps ended before the history was complete: {error}")
+    if path.closed():
+        return neither("nothing to iterate: every step has a solution in closed form")
     if not method.midpoint:
         return [cold(path), *neither("its history does not contain increments of steps")[1:3], tolerance(path)]
     return [iterations(path), predictor(path), settled(path), tolerance(path)]
@@ -87,6 +89,10 @@ class Steps:
     def few(self):
         """Some of the steps, far apart."""
         return self.steps[::max(1, len(self.steps) // FEW)][:FEW]
+
+    def closed(self) -> bool:
+        """Did no step take an iteration, without a history neither?"""
+        return not self.taken() and not self.mean(lambda saved, _: self.past.forgotten(saved))
 
     def taken(self) -> float:
         return float(np.mean([count for *_, count in self.steps]))

@@ -32,15 +32,25 @@ def refusals(case: Case, subject) -> list[Row]:
     """One row: how many steps were refused although they have a solution on the right branch."""
     if case.settings.method not in EQUATIONS:
         return [not_applicable("refusals", "the interpreter cannot compute residuals of this method")]
-    if case.sites > LARGEST and not linear(case):
-        case.unseen.append(f"whether steps are refused needlessly: more than {LARGEST} sites, and the field is not linear")
-        return [not_applicable("refusals", f"no bound is known for more than {LARGEST} sites and a field that is not linear")]
+    why = unknown(case) if case.sites > LARGEST else ""
+    if why:
+        case.unseen.append(f"whether steps are refused needlessly: more than {LARGEST} sites, and {why}")
+        return [not_applicable("refusals", f"no bound is known for more than {LARGEST} sites: {why}")]
     asked = list(trials(case))
     if not asked:
         return [not_applicable("refusals", "nothing moves at any of the states")]
     refused = [trial for trial in asked if step(subject, *trial) is None]
     wrong = sum(case.sites > LARGEST or solvable(case, *trial) for trial in refused)
     return [at_most("refusals", wrong, 0, f"{len(asked)} steps, {len(refused)} refused")]
+
+
+def unknown(case: Case) -> str:
+    """Why no bound is known up to which sweeps are a contraction; "" where one is."""
+    if any(f.kind == "nambu" for f in case.spec.families):
+        return "there are Nambu factors"
+    if case.scene.pushed:
+        return "torques act"
+    return "" if linear(case) else "the field is not linear"
 
 
 def linear(case: Case) -> bool:
@@ -56,7 +66,7 @@ def linear(case: Case) -> bool:
 def trials(case: Case):
     """(w, t, h) of the steps to ask for."""
     times, (few, most) = case.times()[:4], STATES
-    edge = longest(case) if case.sites > LARGEST else np.inf
+    known = slopes(case) if case.sites > LARGEST else None
     for k, w in enumerate(spread(case, max(few, min(most, case.of_tier(WORK) // case.sites)))):
         t = times[k % len(times)]
         try:
@@ -64,14 +74,20 @@ def trials(case: Case):
         except RunError:
             continue
         if fastest > 0:
-            h = smallest(ANGLES[k % len(ANGLES)] / fastest, edge)
+            h = smallest(ANGLES[k % len(ANGLES)] / fastest, np.inf if known is None else longest(case, w, *known))
             yield w, t, float(np.copysign(h, case.h))
 
 
-def longest(case: Case) -> float:
-    """A step up to which sweeps are a contraction: (h/2) sqrt(B^2 r^2 + (B r + F)^2) < 1, see contraction."""
-    rate, own = slopes(case)
-    return SURE * 2 / float(np.hypot(rate, rate + own))
+def longest(case: Case, w, rate, own) -> float:
+    """A step from w up to which sweeps are a contraction: (h/2) sqrt(L^2 + M^2) < 1, see contraction.
+
+    M is the largest |R| of w' = w x R, and L/r bounds its derivative: B r + F and B r, and with damping, where R = b + (a/r) w x b,
+    sqrt(1 + a^2) (B r + F) and B r + a (2 B r + F). Gilbert's form divides R by 1 + a^2.
+    """
+    rate = rate * lengths(w).max() / lengths(case.w).max()
+    damping, share = case.witness.damping(w)
+    bound = float((share * np.hypot(rate + damping * (2 * rate + own), np.hypot(1, damping) * (rate + own))).max())
+    return SURE * 2 / bound if bound > 0 else np.inf
 
 
 def solvable(case: Case, w, t: float, h: float) -> bool:

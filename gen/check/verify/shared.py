@@ -151,7 +151,16 @@ def ranks(case: Case, one: Integrator, places, calls, wanted) -> Row:
             return refused("ranks", f"two ranks did not finish within {LIMIT} s")
         found = [folder / f"found-{k}" for k in (0, 1)]
         if not all(file.exists() for file in found):
-            why = next((line for line in said.stderr.splitlines() if line.strip(" -")), f"exit code {said.returncode}")
-            return unseen(case, f"mpirun: {why.strip()}", NAMES[2:])[0]
+            return broken(case, folder, said)
         differ = sum(pickle.loads(file.read_bytes()) != wanted for file in found)
     return at_most("ranks", differ, 0, f"{sum(calls)} steps by two ranks")
+
+
+def broken(case: Case, folder: Path, said) -> Row:
+    """The row of ranks that ended early: no if they had begun; otherwise mpirun cannot be used here, and nothing was seen."""
+    lines = [line.strip() for line in said.stderr.splitlines() if line.strip(" -")]
+    if not list(folder.glob("began-*")):
+        return unseen(case, f"mpirun: {next(iter(lines), f'exit code {said.returncode}')}", NAMES[2:])[0]
+    failed = next((file.read_text(encoding="utf-8") for file in sorted(folder.glob("failed-*"))), None)
+    signal = next((line for line in lines if "signal" in line), f"exit code {said.returncode}")
+    return refused("ranks", f"a rank did not finish: {failed or signal}")

@@ -98,6 +98,11 @@ class Witness:
         """R with w' = orientation * grad C(w) x R, shape (sites, 3): b, and what damping and torques add to it."""
         return self._evaluate(self._c.witness_turning, w, t)
 
+    def damping(self, w) -> tuple[np.ndarray, np.ndarray]:
+        """(a, f) of every site: b becomes f (b + (a/|w|) w x b), up to the sign of the second part."""
+        alpha, share, _ = self._damped()
+        return alpha * np.where(np.isnan(self.numbers.radii), np.linalg.norm(self._state(w), axis=1), 1), share
+
     def vector_field(self, w, t: float = 0.0) -> np.ndarray:
         """X = w' = orientation * grad C(w) x b, shape (sites, 3), with damping and torques; grad C = w on spheres."""
         return self._evaluate(self._c.witness_vector_field, w, t)
