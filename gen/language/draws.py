@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 UNIFORM, NORMAL, START = 64, 65, 66     # uses of the counter; smg_random.h lists all
+BEFORE = 2 ** 47         # the step of pairs whose larger index is -1; 0 is that of single sites
 LOW, HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
 
 
@@ -36,7 +37,8 @@ def of_sites(use: int, seed, i, j=None) -> tuple:
     """The words of a site, or of two in either order."""
     if j is None:
         return words(seed, 0, i, use)
-    return words(seed, np.maximum(i, j) + 1, np.minimum(i, j), use)
+    last = np.maximum(i, j)
+    return words(seed, np.where(last == -1, BEFORE, last + 1), np.minimum(i, j), use)
 
 
 def uniform(seed, *sites) -> np.ndarray:

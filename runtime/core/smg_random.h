@@ -106,12 +106,14 @@ static inline void smg_three_normals(smg_philox random, double *x) {
   smg_polar(sqrt(smg_minus_two_log(random.word[2])), random.word[3], x + 2, &left);
 }
 
-/* Disorder: the words of a site, and of two in either order. */
+/* Disorder: the words of a site, and of two in either order. The step of a site is 0, which no pair has. */
 static inline smg_philox smg_words_of_site(int64_t seed, int64_t i, int use) {
   return smg_philox_of(smg_counter(0, i, use, 0), (uint64_t)seed);
 }
 static inline smg_philox smg_words_of_bond(int64_t seed, int64_t i, int64_t j, int use) {
-  return smg_philox_of(smg_counter((i < j ? j : i) + 1, i < j ? i : j, use, 0), (uint64_t)seed);
+  return smg_philox_of(
+      smg_counter((i < j ? j : i) == -1 ? (int64_t)1 << 47 : (i < j ? j : i) + 1, i < j ? i : j, use, 0),
+      (uint64_t)seed);
 }
 
 /* A number in (0, 1), of 52 bits; a normal one, of mean 0 and variance 1. */

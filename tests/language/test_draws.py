@@ -22,7 +22,7 @@ PROGRAM = """#include <stdio.h>
 #include "smg_random.h"
 int main(void) {
   for (int64_t k = 0; k < 3000; ++k) {
-    const int64_t seed = k * k * k - 5, i = k * 7919 % 100003 - 3, j = k * 104729 % 99991;
+    const int64_t seed = k * k * k - 5, i = k * 7919 % 100003 - 3, j = k % 7 ? k * 104729 % 99991 : -1;
     printf("%a %a %a %a\\n", smg_uniform_number(smg_words_of_site(seed, i, SMG_USE_UNIFORM)), smg_normal_number(smg_words_of_site(seed, i, SMG_USE_NORMAL)),
            smg_uniform_number(smg_words_of_bond(seed, i, j, SMG_USE_UNIFORM)), smg_normal_number(smg_words_of_bond(seed, j, i, SMG_USE_NORMAL)));
   }
@@ -72,7 +72,7 @@ def test_python_has_the_known_answers():
 def test_c_python_and_witness_have_the_same_bits(tmp_path):
     (tmp_path / "draws.c").write_text(PROGRAM)
     k = np.arange(3000)
-    seed, i, j = k**3 - 5, k * 7919 % 100003 - 3, k * 104729 % 99991
+    seed, i, j = k**3 - 5, k * 7919 % 100003 - 3, np.where(k % 7, k * 104729 % 99991, -1)
     mine = np.stack([draws.uniform(seed, i), draws.normal(seed, i), draws.uniform(seed, i, j), draws.normal(seed, i, j)], axis=1)
     witness = [[disorder.number(kind, int(a), *map(int, sites)) for kind, sites in (("uniform", (b,)), ("normal", (b,)), ("uniform", (b, c)), ("normal", (c, b)))]
                for a, b, c in zip(seed[:500], i, j)]
@@ -82,6 +82,23 @@ def test_c_python_and_witness_have_the_same_bits(tmp_path):
             subprocess.run([compiler, "-std=c11", "-ffp-contract=off", *flags, *include_flags(), str(tmp_path / "draws.c"), "-o", str(tmp_path / "draws"), "-lm"], check=True)
             lines = subprocess.run([str(tmp_path / "draws")], check=True, capture_output=True, text=True).stdout.split()
             assert np.array_equal(np.array([float.fromhex(x) for x in lines]).reshape(-1, 4), mine)
+
+
+def of_pair(kind, seed, i, j):
+    return float(getattr(draws, kind)(seed, np.array(i), np.array(j)))
+
+
+@quick
+@pytest.mark.parametrize("kind", ["uniform", "normal"])
+def test_pairs_of_negative_indices_have_numbers_of_their_own(kind):
+    """A pair whose larger index is -1 has not the number of the single site of the other."""
+    indices = range(-6, 7)
+    pairs = [(i, j) for i in indices for j in indices if i <= j]
+    found = [of_pair(kind, 7, i, j) for i, j in pairs] + [float(getattr(draws, kind)(7, np.array(i))) for i in indices]
+    assert len(set(found)) == len(found)
+    assert found == [disorder.number(kind, 7, *pair) for pair in pairs] + [disorder.number(kind, 7, i) for i in indices]
+    spec = glass(bond=f"{kind}(seed, i - n, j - n - 4)")
+    assert smidgen.validate(spec).passed
 
 
 @quick

@@ -12,7 +12,7 @@ UNIFORM, NORMAL = 64, 65    # uses of the counter
 
 def number(kind: str, seed: int, *sites: int) -> float:
     """That of a seed and a site, or of two sites in either order."""
-    step, site = (0, sites[0]) if len(sites) == 1 else (max(sites) + 1, min(sites))
+    step, site = (0, sites[0]) if len(sites) == 1 else (max(sites) + 1 or 2**47, min(sites))    # step 0 belongs to single sites
     use = UNIFORM if kind == "uniform" else NORMAL
     word = step % 2**48 + (site % 2**40 << 48) + (use << 88)
     random = [int(x) for x in thermal.philox([[word >> s & 0xFFFFFFFF for s in (0, 32, 64, 96)]], seed % 2**64)[0]]
