@@ -91,8 +91,7 @@ class ParameterReader:
         size, rows = self.problems.together(lambda: self.size(node), lambda: self.files.numbers(node.get("file"), width))
         if len(rows) * width > limits.ARRAY:
             node.get("file").wrong(codes.LIMIT, f"`{name}` has {len(rows) * width} entries; at most {limits.ARRAY} are allowed", "use a smaller table")
-        share = self.measure.share(node.get("file"))
-        return self.rows(name, width, size, rows if share == 1 else [tuple(float(x) * share for x in row) for row in rows])
+        return self.rows(name, width, size, self.measure.rows(node.get("file"), rows))
 
     def rows(self, name: str, width: int, size, rows) -> Parameter:
         if width == 1:

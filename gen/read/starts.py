@@ -125,8 +125,7 @@ class StartReader:
         if len(rows[0]) != 3:
             node.get("file").wrong(codes.TABLE, f"`{node.get('file').raw}` has {len(rows[0])} "
                                    "columns", "it should contain rows `x, y, z`")
-        share = self.of_vector(node, family).share(node.get("file"))
-        return "vectors", tuple(tuple(float(x) * share for x in row) for row in rows)
+        return "vectors", tuple(self.of_vector(node, family).rows(node.get("file"), rows))
 
     def random(self, node: Node, family: Family):
         if family.kind == "nambu":

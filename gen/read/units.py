@@ -1,6 +1,11 @@
 """[units], and values with units: `energy = "meV"`, `J = "5.7 meV"`."""
 from __future__ import annotations
 
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+
 from ..language import codes, limits
 from ..language.units import KINDS, NONE, Scale, Unit, Units, coherent, said
 from .parse import Parser
@@ -84,14 +89,30 @@ class Measure:
             unit.wrong(codes.DIMENSION, f"`{unit.raw}` cannot be {what}: it is {said(self.dimension)}", f"{said(dimension)} is needed here")
         self.dimension = dimension
 
-    def share(self, node: Node) -> float:
-        """What the numbers of a table, which have the unit of `unit`, are multiplied by."""
-        if self.units is None:
-            return 1.0
-        if self.unit is None:
+    def rows(self, node: Node, rows: list[tuple]) -> list[tuple]:
+        """The numbers of a table, which have the unit of `unit`, in the units of the model, each rounded once."""
+        if self.units is not None and self.unit is None:
             self.same(node, NONE)
-            return 1.0
-        return float(self.units.factor(self.unit))
+        factor = Fraction(1) if self.units is None or self.unit is None else self.units.factor(self.unit)
+        if factor == 1:
+            return [tuple(map(float, row)) for row in rows]
+        above, below = factor.as_integer_ratio()
+
+        def scaled(value) -> float:
+            n, d = Decimal(repr(value)).as_integer_ratio()
+            return n * above / (d * below) if n else float(value)       # a quotient of integers is rounded once
+        return self.fitting(node, lambda: [tuple(map(scaled, row)) for row in rows])
+
+    def fitting(self, node: Node, made) -> list[tuple]:
+        """made(), which is refused if a number is out of range."""
+        try:
+            found = made()
+            sizes = np.abs(np.array(found, float))
+        except OverflowError:
+            sizes = np.array([np.inf])
+        if np.any(sizes > limits.LARGEST) or np.any((sizes > 0) & (sizes < limits.SMALLEST)):
+            out_of_range(node.span, node.problems)
+        return found
 
     def number(self, node: Node):
         """A value in the units of the model."""
@@ -132,6 +153,10 @@ def in_units(found: Unit, units: Units, span: Span, problems: Problems) -> float
     """How many units of the model a quantity is, rounded once."""
     exact_value = units.factor(found)
     if abs(exact_value) > limits.LARGEST or 0 < abs(exact_value) < limits.SMALLEST:
-        problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in absolute value",
-                      "choose other units in [units]")
+        out_of_range(span, problems)
     return float(exact_value)
+
+
+def out_of_range(span: Span, problems: Problems) -> None:
+    problems.fail(codes.NUMBER, span, f"in the units of this spec this is not between {limits.SMALLEST:g} and {limits.LARGEST:g} in absolute value",
+                  "choose other units in [units]")

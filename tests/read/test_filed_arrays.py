@@ -122,3 +122,45 @@ def test_a_size_is_needed_and_entries_are_vectors(home):
                                     ('a = { default = [[0, 0, 1], [1, 0]], size = 2, vector = true }', "dot(a[0], w[i])", "three components")):
         with pytest.raises(smidgen.SpecError, match=said):
             read(home, parameter, energy)
+
+
+MEASURED = """[model]
+name = "measured"
+[units]
+energy = "meV"
+time = "ps"
+[space]
+w = {{ r3 = 5 }}
+[parameters]
+K = {{ {}, size = 5, unit = "K" }}
+[effects.axis]
+over = "site(i) of w"
+energy = "-K[i]*dot(w[i], w[i])/(1 meV ps)^2"
+[starts.a]
+w = {{ {}, unit = "hbar" }}
+"""
+
+
+def test_numbers_with_units_are_rounded_once(tmp_path):
+    """Those of a file as those of a list: as they are written, times the exact unit."""
+    dice = np.random.default_rng(4)
+    k, w = dice.uniform(0.1, 9, 5).round(3), dice.uniform(-9, 9, (5, 3)).round(2)
+    k[0], w[0] = 0, (0, -1, 2)
+    np.save(tmp_path / "k.npy", k)
+    (tmp_path / "k.csv").write_text("".join(f"{x}\n" for x in k.tolist()))
+    (tmp_path / "w.csv").write_text("".join(f"{x},{y},{z}\n" for x, y, z in w.tolist()))
+    found = []
+    for numbers, vectors in [(f"default = {k.tolist()}", f"vectors = {w.tolist()}"), ('file = "k.csv"', 'file = "w.csv"'), ('file = "k.npy"', 'file = "w.csv"')]:
+        (tmp_path / "spec.toml").write_text(MEASURED.format(numbers, vectors))
+        spec = smidgen.load(tmp_path / "spec.toml")
+        found.append((spec.parameters[0].default, spec.starts[0].families[0].value))
+    assert found[0] == found[1] == found[2]
+
+
+def test_a_number_of_a_file_that_is_out_of_range_in_the_units_of_the_model(tmp_path):
+    (tmp_path / "k.csv").write_text("1\n2\n3\n4\n1e150\n")
+    text = MEASURED.format('file = "k.csv"', "random = 1")
+    for unit in ("QJ", "J^9/meV^8"):
+        (tmp_path / "spec.toml").write_text(text.replace('"K" }', f'"{unit}" }}').replace(', unit = "hbar"', ""))
+        with pytest.raises(smidgen.SpecError, match="in the units of this spec this is not between"):
+            smidgen.load(tmp_path / "spec.toml")
