@@ -305,6 +305,18 @@ def test_csv_is_plain(toy, tmp_path):
     assert table.shape == (5, len(header))
 
 
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_extended_precision_keeps_its_digits(toy, tmp_path, suffix):
+    given = dict(real="long double", substeps=True)
+    found, path = smidgen.run(toy, "demo", **given), tmp_path / f"a{suffix}"
+    smidgen.run(toy, "demo", **given, out=path)
+    again = smidgen.load_result(path)
+    for name in found.keys():
+        assert np.array_equal(found[name], again[name]) and found[name].dtype == again[name].dtype
+    assert np.array_equal(found.final, again.final) and again.final.dtype == np.longdouble and again.substeps.shape == (0, 3)
+    assert np.finfo(np.longdouble).nmant == 52 or not np.array_equal(found.final, found.final.astype(float))
+
+
 @pytest.mark.parametrize("sites, good", [(29_998, True), (29_999, False)])
 def test_the_widest_table(toy, tmp_path, sites, good):
     """step, t and one column a site: 30000 columns are text, one more is refused."""

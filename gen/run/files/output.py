@@ -244,12 +244,13 @@ class CsvSink(FileSink):
     def _begin(self):
         names = [n for name in self.layout for n in flat_names(name, self.layout[name][0])]
         self.names, self.body = names, open(self.work / "body", "w", encoding="ascii")
-        self.formats = ["%d"] + ["%.17g" if self.layout["t"][1] == np.float64 else "%.21g"] \
-            * (len(names) - 1)
+        self.long = any(extended(kind) for _, kind in self.layout.values())
+        self.formats = ["%d"] + ["%s" if self.long else "%.17g"] * (len(names) - 1)
 
     def _append(self, chunk):
         rows = [np.asarray(chunk[n]).reshape(len(chunk["t"]), int(np.prod(shape))) for n, (shape, _) in self.layout.items()]
-        np.savetxt(self.body, np.concatenate(rows, axis=1), self.formats, delimiter=",")
+        table = np.concatenate(rows, axis=1)
+        np.savetxt(self.body, written(table) if self.long else table, self.formats, delimiter=",")
 
     def _finish(self, meta, extras):
         self.body.close()
@@ -397,13 +398,32 @@ class Disk(io.RawIOBase):
             self.problem = problem
 
 
+def extended(kind) -> bool:
+    """Has this type more digits than a double?"""
+    return kind == np.longdouble and kind != np.float64
+
+
+def written(table) -> np.ndarray:
+    """The numbers of extended precision as objects, which `%s` prints with all their digits: `%g` prints those of a double."""
+    found = table.astype(object)
+    found[:, 0] = table[:, 0].astype(np.int64)
+    return found
+
+
+def listed(rows) -> str:
+    """Numbers in one row, as JSON has them, those of extended precision with all their digits."""
+    if not extended(rows.dtype) or not np.all(np.isfinite(rows)):
+        return json.dumps(rows.astype(float).ravel().tolist())
+    return f"[{', '.join(map(str, rows.flat))}]"
+
+
 def csv_head(meta: dict, extras: dict, names) -> str:
     """Comment lines that a person reads, then those that the reader needs, then the header."""
     shown = ("spec", "title", "run", "method", "h", "steps", "orientation", "status")
     lines = [f"# {key}: {_one_line(meta[key])}" for key in shown if meta.get(key)]
     if meta.get("units"):
         lines.append("# units: " + ", ".join(f"{name} {unit}" for name, unit in meta["units"]["columns"].items()) + f" (CODATA {meta['units']['codata']})")
-    lines += [f"# {name}: {json.dumps(rows.astype(float).ravel().tolist())}" for name, rows in extras.items() if name != "positions"]
+    lines += [f"# {name}: {listed(rows)}" for name, rows in extras.items() if name != "positions"]
     lines += [f"# meta: {json.dumps(meta)}", ",".join(names)]
     return "\n".join(lines) + "\n"
 

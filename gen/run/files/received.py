@@ -80,13 +80,17 @@ def from_csv(file, size):
     names = header.strip().split(",")
     if len(names) > limits.CSV_COLUMNS:
         raise Wrong(f"more than {limits.CSV_COLUMNS} columns")
-    table = rows_of(file) if file.tell() < size else np.empty((0, len(names)))
+    real = np.longdouble if real_of(comments) == "long double" else float
+    table = rows_of(file, real) if file.tell() < size else np.empty((0, len(names)), real)
     if table.shape[1] != len(names):
         raise Wrong("its rows do not match its header")
     columns = gathered(table, names)
     columns["step"] = integers(columns.get("step"))
+    if "t" in columns:
+        columns["t"] = columns["t"].astype(float)
     for name in comments.keys() - {"meta"}:
-        columns[name] = np.array(parsed(comments[name], listed(finite_or_not)), float).reshape(-1, 3)
+        given = parsed(comments[name], listed(finite_or_not))
+        columns[name] = np.array(given if real is float else comments[name].strip("[] ").split(",") * bool(given), real).reshape(-1, 3)
     return comments.get("meta", ""), columns
 
 
@@ -101,11 +105,17 @@ def head_of(file):
     return found, line.decode()
 
 
-def rows_of(file):
+def real_of(comments):
+    """What the metadata say of the precision of the numbers."""
+    found = parsed(comments.get("meta", ""), lambda value: True)
+    return found.get("real") if isinstance(found, dict) else None
+
+
+def rows_of(file, real=float):
     """The numbers of the lines that are left."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")          # numpy's "no data"
-        return np.loadtxt(file, delimiter=",", ndmin=2, encoding="ascii")
+        return np.loadtxt(file, real, delimiter=",", ndmin=2, encoding="ascii")
 
 
 def integers(column):
