@@ -21,6 +21,7 @@ from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
 from ..run.settings import whole
+from ..run.step.noise import noisy
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
 
@@ -118,9 +119,9 @@ def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: 
     """The largest Lyapunov exponent of an orbit, from the separation of two trajectories, without the tangent map.
 
     The separation is reset to `offset` every `every` steps: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338. The
-    other arguments and the errors are those of `exponents`; models with thermal noise are refused.
+    other arguments and the errors are those of `exponents`; models with thermal noise are refused, unless kT is 0.
     """
-    if model.scene.heated:
+    if noisy(model.prepared.numbers):
         raise UsageError(f"{model.name} has thermal noise, which would begin anew with each separation: leave out the effect with `kT`")
     blocks, radius = _blocks(steps, every), model.prepared.numbers.radii
     here = model.start(w, h=h, t0=t0).state()

@@ -157,8 +157,8 @@ def spectrum(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :raises UsageError: for an argument that does not fit.
     :raises RunError: if a step fails. Errors of `build`.
 
-    Outputs at t = 0, dt, 2 dt, ... with dt = |h| every are used, except the one at the end. A part with M outputs resolves frequencies 2
-    pi/(M dt) apart, up to pi/dt; faster waves are aliased to lower frequencies. The formula is in docs/lattices.md. For each wave vector,
+    Outputs at t = 0, dt, 2 dt, ... with dt = h every are used, except the one at the end. A part with M outputs resolves frequencies 2
+    pi/(M |dt|) apart, up to pi/|dt|; faster waves are aliased to lower frequencies. The formula is in docs/lattices.md. For each wave vector,
     72 bytes per output of a part are needed (120 with autocorrelation), at most 2 GiB in total.
     """
     settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every,

@@ -36,7 +36,7 @@ def load_spectrum(path: str | os.PathLike) -> Spectrum:
     with refusing(path), opened(path) as file:
         given, arrays = read(file, os.fstat(file.fileno()).st_size)
         meta = known(given)
-        arrays.setdefault("tau", abs(meta["h"]) * meta["every"] * np.arange(arrays["omega"].size))
+        arrays.setdefault("tau", meta["h"] * meta["every"] * np.arange(arrays["omega"].size))
         fit(arrays)
         theory = unpacked(arrays, meta)
         names = ("q", "omega", "s", "equal_time", "tau", "autocorrelation", "neutron")

@@ -7,7 +7,8 @@ from .names import FUNCTIONS
 from .problems import nearest
 from .scope import Scope, is_single
 
-SELDOM = {"ln": "the natural logarithm is `log`", "cosine": "write `cos`", "sine": "write `sin`", "tangent": "write `tan`", "square": "write `a^2`",
+SELDOM = {"ln": "the natural logarithm is `log`", "cosine": "write `cos`", "sine": "write `sin`", "tangent": "write `tan`", "cosinus": "write `cos`", "sinus": "write `sin`", "tangens": "write `tan`",
+          "square": "write `a^2`",
           "arctan": "write `atan`",
           "arcsin": "write `asin`", "arccos": "write `acos`", "arctan2": "write `atan2`",
           "length": "write `norm`", "pow": "write `a^b`", "fabs": "write `abs`",

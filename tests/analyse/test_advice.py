@@ -203,6 +203,10 @@ def test_backward_is_the_reversed_problem():
     assert backward.h < 0 and abs(backward.h + forward.h) < 1e-6 * forward.h
     assert forward.run_h == 0.1 and "does not exceed the largest safe step" in forward.words()[-1]
     assert "exceeds the largest safe step" in advise(spec, h=10.0).words()[-1]
+    forward, backward = (" ".join(advise("forced_rigid_body", h=h).words()) for h in (0.1, -0.1))
+    for said in (" ".join(advise(spec, h=-0.1).words()), backward):
+        assert said.count(" h = ") == said.count(" h = -") > 0
+    assert forward.count(" h = ") == backward.count(" h = ") and " h = -" not in forward
 
 
 @pytest.mark.parametrize("bisect", [False, pytest.param(True, marks=pytest.mark.long)])

@@ -495,3 +495,24 @@ def test_the_page(tmp_path):
     sh("smidgen new spins\n" + "".join(blocks("explain.md", "sh")), tmp_path)
     said = [python(program, tmp_path) for program in blocks("explain.md", "python")]
     assert "linear sum w.x True" in said[0] and "('w',)" in said[0]
+
+
+BATH = """
+[model]
+name = "bath"
+[space]
+w = {{ sphere = 2 }}
+[effects.pair]
+energy = "-dot(w[0], w[1]) - 0.3*w[0].x"
+[effects.bath]
+over = "site(i) of w"
+damping = 0.1
+{}
+"""
+
+
+@pytest.mark.parametrize("more, said_", [("", "until every damped site is parallel"),
+                                        ('[effects.pin]\nover = "site(i) of w"\npinned = "i == 1"', "until every damped site that is free to move is parallel")])
+def test_pinned_sites_do_not_become_parallel_to_their_field(more, said_):
+    report = explain(load_text(BATH.format(more)))
+    assert said_ in " ".join(report.words())

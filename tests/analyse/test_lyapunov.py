@@ -219,6 +219,14 @@ def test_nearby_orbits_under_noise_are_refused():
 
 
 @quick
+def test_nearby_orbits_at_temperature_zero_have_no_noise():
+    text = PAIR.replace("[effects", "[parameters]\nT = 0.1\n[effects", 1)
+    model, calm = (smidgen.build(smidgen.load_text(text.format(kT)), parameters={"T": 0.0}) for kT in ("\nkT = \"T\"", ""))
+    found = nearby(model, "near", 0.02, 400, every=10).values[0]
+    assert found == pytest.approx(nearby(calm, "near", 0.02, 400, every=10).values[0], abs=1e-6)
+
+
+@quick
 def test_columns_are_in_the_order_of_their_values():
     """Errors and running estimates are those of the value in the same place."""
     growth = np.random.default_rng(6).standard_normal((100, 3)) * [1, 10, 0.1] + [0, 200, 1]

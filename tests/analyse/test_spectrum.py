@@ -119,10 +119,13 @@ def test_parseval(random_run):
     assert np.all(windowed.s.sum(axis=1) > 0) and windowed.s[0, :, 2].sum() == pytest.approx(windowed.equal_time[0, 2], rel=1e-3)
 
 
-def test_a_run_backward_tells_the_same_waves():
+def test_a_run_backward_tells_the_same_waves(tmp_path):
     one, other = (smidgen.spectrum(chain(), q="1/16", start=nearly_up(16), h=h) for h in (0.05, -0.05))
     assert np.all(np.diff(other.omega) > 0)
     assert abs(one.omega[one.mean[0].argmax()]) == pytest.approx(abs(other.omega[other.mean[0].argmax()]))
+    for name in ("a.csv", "a.npz"):     # outputs are at t = 0, dt, .. with dt < 0
+        tau = smidgen.load_spectrum(other.save(tmp_path / name)).tau
+        assert np.array_equal(tau, other.tau) and tau[1] == pytest.approx(-one.tau[1])
 
 
 def test_cells_of_two_sites():

@@ -30,6 +30,22 @@ def test_front_of_the_sphere_is_seen_and_the_back_is_not():
     assert np.array_equal(view.visible(w, sight), w @ sight.matrix[2] >= 0)
 
 
+@pytest.mark.parametrize("size", [1e-10, 1e-4, 1e10])
+def test_what_is_hidden_does_not_depend_on_the_unit(size):
+    w, sight = np.random.default_rng(1).standard_normal((500, 3)), view.View(10, 40)
+    for casimir in (None, np.diag([2.0, 1.0, 0.5]), np.diag([1.0, 1.0, -1.0])):
+        seen = view.visible(w, sight, casimir)
+        assert np.array_equal(view.visible(size * w, sight, casimir), seen) and 0 < seen.sum() < 500
+        assert casimir is None or np.array_equal(view.visible(w, sight, casimir / size ** 2), seen)
+
+
+def test_a_leaf_in_another_unit_hides_the_same():
+    turn = np.linspace(0, 2 * np.pi, 60)
+    w, sight = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1), view.View(10, 40)
+    seen, small = (leaf.leaf_of(np.eye(3) / size ** 2, [size * w]).seen(size * w, sight) for size in (1, 1e-10))
+    assert np.array_equal(seen, small) and 0 < seen.sum() < 60
+
+
 @pytest.mark.parametrize("casimir", [np.diag([2.0, 1.0, 0.5]), np.diag([1.0, 1.0, -1.0])])
 def test_hidden_points_have_the_surface_before_them(casimir):
     """Brute force: march along the ray from a point and look for a change of sign of C - c."""

@@ -138,7 +138,7 @@ def _advice(model, equation, h, run, stated, span, steps) -> Advice:
         (look.h * look.rate) ** 2 / 12, fine_step(look.rate, ticks.change if ticks else 0.0), h if stated else None,
         tuple((o.h, o.count, o.end) for o in look.orbits), sum(len(o.places) for o in look.orbits), span,
         ticks.spacing if ticks else None, look.failing is None, look.failing,
-        reason(end, look.h, named(model, end.sites), t))
+        reason(end, equation.sign * look.h, named(model, end.sites), t))
 
 
 def _tried(model, equation, end: End, cap: float) -> End:

@@ -16,14 +16,15 @@ ENDS = {
 
 
 def reason(end, h: float, sites: str, t: float | None) -> str:
-    """Why not more than h > 0: what ends the steps, from the state at the time t, None: the start."""
+    """Why not more than h: what ends the steps, from the state at the time t, None: the start."""
     if end.kind == "open":
         return "at this step the fastest motion makes a full turn per step; accuracy is the limit"
     effect = f"effect '{end.effect}'"
-    text = ENDS[end.kind].format(limit=end.limit, sites=sites, said=end.said,
+    limit = math.copysign(end.limit, h)
+    text = ENDS[end.kind].format(limit=limit, sites=sites, said=end.said,
                                  through=f" through {effect}" if end.effect else "", of=f" ({effect})" if end.effect else "")
     where = "" if t is None else f"from the state at t = {t:.6g}, "
-    return f"{where}{text}; the advice is {h / end.limit:.2g} of that limit"
+    return f"{where}{text}; the advice is {h / limit:.2g} of that limit"
 
 
 def named(model, sites) -> str:
@@ -60,7 +61,7 @@ def _accuracy(a) -> str:
         return "Accuracy: nothing moves from this start."
     at = f"rate {a.rate:.6g}, at t = {a.rate_t:.6g}" if a.span else f"rate {a.rate:.6g}"
     slow = f"at h = {a.h:.6g} the fastest rotation ({at}) turns by {h * a.rate:.3g} rad in a step, {'and ' * (h * a.rate < COARSE)}{_off(h * a.rate)}"
-    more = f"; with h = {a.fine:.3g} its phase is accurate to 0.1 %" if a.fine < h else ""
+    more = f"; with h = {math.copysign(a.fine, a.h):.3g} its phase is accurate to 0.1 %" if a.fine < h else ""
     return f"Accuracy: {slow}{more}."
 
 
@@ -72,7 +73,7 @@ def _clock(a) -> list[str]:
     """How fast H changes, and how well that is known."""
     changes = f" and changes as fast as a modulation with a period of about {math.tau / a.change:.2g}; steps per period: {_per_period(a.h, a)}" if a.change else ""
     if changes and abs(a.h) > a.fine:
-        changes += f", {math.tau / a.change / a.fine:.2g} with h = {a.fine:.3g}"
+        changes += f", {math.tau / a.change / a.fine:.2g} with h = {math.copysign(a.fine, a.h):.3g}"
     abrupt = f"At some time H changes within less than {a.spacing:.3g}, as if it jumped; a step across that time is less accurate."
     return [f"H depends on time{changes}.", *([abrupt] if a.abrupt else []),
             f"Its strength was sampled every {a.spacing:.3g} of t over {a.span:.6g}; a pulse shorter than that may have been missed."]
@@ -81,7 +82,7 @@ def _clock(a) -> list[str]:
 def _per_period(h: float, a) -> str:
     """How many steps of h a period of the modulation has, and whether they are enough."""
     count = math.tau / a.change / abs(h)
-    return f"{count:.2g} with h = {abs(h):.6g}" + " (too few to follow it)" * (count < SAMPLES / 2)
+    return f"{count:.2g} with h = {h:.6g}" + " (too few to follow it)" * (count < SAMPLES / 2)
 
 
 def _looked(a) -> str:

@@ -57,7 +57,9 @@ def _damping(r):
     """What damping gives up, and what holds."""
     if r.damped:
         stays = " without its noise is" if r.heated else " stays"
-        falls = "" if r.energy_changes is not False or r.heated or r.pushed else " Along the exact flow the energy decreases until every damped site is parallel to its field; in the numerical solution it decreases for small h."
+        free = " that is free to move" * bool({*r.standing} & {*r.damped})
+        falls = "" if r.energy_changes is not False or r.heated or r.pushed else (
+            f" Along the exact flow the energy decreases until every damped site{free} is parallel to its field; in the numerical solution it decreases for small h.")
         yield (f"The sites of {' and '.join(r.damped)} are damped: no step is symplectic, and neither energy nor momentum is conserved."
                f"{falls} The step{stays} symmetric." if METHODS[r.method].symmetric else f"The sites of {' and '.join(r.damped)} are damped: "
                f"neither energy nor momentum is conserved.{falls}")

@@ -1,10 +1,14 @@
 """Thermal noise: which seed and member a run has, and what it does not go with."""
 from __future__ import annotations
 
-import numbers
+from numbers import Integral
+
+import numpy as np
 
 from ...errors import UsageError
+from ...language.evaluate import evaluate
 from ...language.spec import Spec
+from .evaluated import Evaluated
 
 SEEDS, MEMBERS = 2 ** 64, 2 ** 32
 WITHOUT = "the noise is different for every h"
@@ -22,9 +26,16 @@ def noise_of(scene: Spec, h: float, seed: int | None = None, member: int = 0) ->
     return seed - SEEDS * (seed >= SEEDS // 2), whole_below(member, MEMBERS, "a member")
 
 
+def noisy(numbers: Evaluated) -> bool:
+    """Is a temperature other than 0 with these values of the parameters?"""
+    def hot(e):
+        return np.any(evaluate(e.kT, {**numbers.values, e.over.index: np.arange(numbers.places[e.over.family][1])}) != 0)
+    return any(hot(e) for e in numbers.spec.effects if e.heats)
+
+
 def whole_below(value, most: int, what: str) -> int:
     """An integer from 0 to most - 1. Raises UsageError."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not 0 <= value < most:
+    if isinstance(value, bool) or not isinstance(value, Integral) or not 0 <= value < most:
         raise UsageError(f"{what} must be an integer from 0 to {most - 1}, not {value}")
     return int(value)
 

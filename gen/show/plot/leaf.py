@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import UsageError
-from .view import View
+from .view import View, ahead, flat
 
 FLAT = 1e-9      # eigenvalues below this fraction of the largest count as zero
 
@@ -45,10 +45,10 @@ class Leaf:
         """(...,) truth: no drawn part of the sheet lies between the point and the viewer."""
         w, d = np.asarray(w, float), view.matrix[2]
         slope, bend = w @ (self.casimir @ d), 0.5 * d @ self.casimir @ d
-        if abs(bend) < 1e-12:
+        if flat(bend, self.casimir):
             return np.ones(slope.shape, bool)
         s = -slope / bend
-        return ~((s > 1e-9) & self.drawn(w + s[..., None] * d))
+        return ~(ahead(s, w) & self.drawn(w + s[..., None] * d))
 
 
 def leaf_of(casimir, curves, margin: float = 1.18) -> Leaf:

@@ -62,7 +62,7 @@ def axis_ends(ax, view: View, radius: float = 1.0) -> None:
         ax.plot([start[0], tip[0]], [start[1], tip[1]], color=INK, lw=0.8,
                 alpha=0.25 if hidden else 0.8, zorder=0.5 if behind else 6)
         if not hidden:
-            x, y = tip[:2] + 0.09 * radius * tip[:2] / max(np.hypot(*tip[:2]), 1e-9)
+            x, y = tip[:2] + 0.09 * radius * tip[:2] / max(np.hypot(*tip[:2]), 1e-9 * radius)
             ax.text(x, y, name, ha="center", va="center", fontsize=8.5, color=INK, zorder=7,
                     path_effects=[withStroke(linewidth=2.2, foreground="white", alpha=0.8)])
 

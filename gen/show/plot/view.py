@@ -40,12 +40,22 @@ def visible(w, view: View, casimir=None, reach=np.inf) -> np.ndarray:
     A = np.eye(3) if casimir is None else np.asarray(casimir, float)
     d = view.matrix[2]
     slope, curve = np.asarray(w, float) @ (A @ d), 0.5 * d @ A @ d
-    if abs(curve) < 1e-12:
+    if flat(curve, A):
         return np.ones(slope.shape, bool)       # the ray meets the surface once
     s = -slope / curve
     meeting = np.asarray(w, float) + s[..., None] * d
     within = np.max(np.abs(meeting), axis=-1) <= reach * (1 + 1e-9)
-    return ~((s > 1e-9) & within)
+    return ~(ahead(s, w) & within)
+
+
+def flat(curve: float, casimir) -> bool:
+    """Does a ray with this C(d) meet the surface once only, up to round-off?"""
+    return abs(curve) < 1e-12 * np.abs(casimir).max()
+
+
+def ahead(s, w):
+    """Is the other meeting before the point w, at more than round-off?"""
+    return s > 1e-9 * np.max(np.abs(w), axis=-1)
 
 
 def runs_of(flags) -> list[tuple[bool, int, int]]:
