@@ -255,6 +255,10 @@ int main(void) {{
     {M}_save(&s, other);
     CHECK(memcmp(one, other, size * sizeof *one) == 0);
   }}
+  const double never[] = {{-1e-12, 1, NAN}};
+  for (int k = 0; k < 3; ++k) CHECK({M}_set_tolerance(&s, never[k]) == SMG_BAD_PARAMETER);
+  {M}_save(&s, other);
+  CHECK(memcmp(one, other, size * sizeof *one) == 0);
   memcpy(w, s.w, n * sizeof *w);
   CHECK({M}_set_state(&s, w) == SMG_OK && s.count == 5 && {M}_step(&s) == SMG_OK && s.count == 6);
   s.w[0] = -s.w[0];
