@@ -11,16 +11,19 @@ from .starts import FORMS
 from .tree import LOST, Node
 
 # Keys of a table that say the same thing in different ways; * is any name.
-WAYS = {
-    ("units",): (("dimensionless",), tuple(KINDS_OF_UNITS)),
-    ("space", "*"): (("sphere", "radius"), ("r3",), ("nambu", "C")),
-    ("effects", "*"): tuple(kind.keys for kind in KINDS),
-    ("parameters", "*"): (("default",), ("file",)),
-    ("starts", "*"): tuple(FORMS.values()),
-    ("starts", "*", "*"): tuple(FORMS.values()),
-    ("runs", "*"): (("time",), ("steps",)),
-    ("runs", "*", "output"): (("every",), ("section",)),
-}
+WAYS = (
+    (("units",), (("dimensionless",), tuple(KINDS_OF_UNITS))),
+    (("space", "*"), (("sphere", "radius"), ("r3",), ("nambu", "C"))),
+    (("space", "*"), (("kappa",), ("moment",))),
+    (("lattices", "*"), (("name",), ("vectors", "positions"))),
+    (("graphs", "*"), (("edges",), ("file",))),
+    (("effects", "*"), tuple(kind.keys for kind in KINDS)),
+    (("parameters", "*"), (("default",), ("file",))),
+    (("starts", "*"), tuple(FORMS.values())),
+    (("starts", "*", "*"), tuple(FORMS.values())),
+    (("runs", "*"), (("time",), ("steps",))),
+    (("runs", "*", "output"), (("every",), ("period",))),
+)
 
 
 def merged(far: Node, near: Node) -> Node:
@@ -54,10 +57,17 @@ class Merge:
         """A parameter whose default stands alone in one file, and in a table in the other."""
         place = (*path, "default")
         if isinstance(far, dict):
-            self.marks[place] = self.near[path]
-            return {**far, "default": self.over(far.get("default"), near, place)}
-        self.marks.setdefault(place, self.far[path])
+            self.moved(self.near, path, place)
+            return {**{key: value for key, value in far.items() if key != "file"}, "default": self.over(far.get("default"), near, place)}
+        if "file" in near:
+            return near
+        if "default" not in near:
+            self.moved(self.far, path, place)
         return {"default": far, **near}
+
+    def moved(self, places: dict, path: tuple, place: tuple) -> None:
+        """The places of a value, and of the entries of a list, that stands elsewhere in what is made."""
+        self.marks |= {place + at[len(path):]: mark for at, mark in places.items() if at[:len(path)] == path}
 
 
 def another(far, near) -> bool:
@@ -72,8 +82,8 @@ def another(far, near) -> bool:
 
 def displaced(key: str, near: dict, path: tuple) -> bool:
     """Does the nearer table say in another way what this key of the farther one says?"""
-    ways = next((ways for pattern, ways in WAYS.items() if fits(path, pattern)), ())
-    return any(key in way and not any(k in near for k in way) for way in ways) and any(k in near for way in ways for k in way)
+    return any(key in way and not any(k in near for k in way) and any(k in near for other in ways for k in other)
+               for pattern, ways in WAYS if fits(path, pattern) for way in ways)
 
 
 def fits(path: tuple, pattern: tuple) -> bool:

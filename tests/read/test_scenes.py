@@ -91,6 +91,73 @@ def test_the_nearest_value_counts_and_tables_merge(written):
     assert (run.time, run.steps.value, run.every, run.what) == (None, 7, 2, ("states", "energy"))
 
 
+SITES = """[model]
+name = "sites"
+[units]
+energy = "meV"
+field = "T"
+[space]
+w = { sphere = 4, kappa = "2 hbar" }
+[parameters]
+K = { file = "k.csv", size = 4, unit = "meV" }
+B = "1 meV"
+[lattices.net]
+size = [2, 2]
+vectors = [[1, 0], [0, 2]]
+bonds.near = [{ offset = [1, 0] }]
+[graphs.ring]
+edges = [[0, 1], [1, 2], [2, 3]]
+[effects.axis]
+over = "site(i) of w"
+energy = "-K[i]*w[i].z^2 - B*w[i].x"
+[effects.net]
+over = "bond(i, j) of net.near"
+energy = "-B*dot(w[i], w[j])"
+[effects.ring]
+over = "edge(i, j) of ring"
+energy = "-B*dot(w[i], w[j])"
+[starts.a]
+random = 1
+[runs.demo]
+start = "a"
+h = "0.01 ps"
+time = "1 ps"
+output = { every = 10 }
+[runs.other]
+like = "demo"
+output = { period = "0.5 ps" }
+"""
+
+
+@pytest.mark.parametrize("far, near, seen", [
+    ("", "[parameters]\nK = \"2 meV\"", lambda spec: spec.parameters[0].default == (2,) * 4),
+    ("", '[parameters]\nK = ["1 meV", "2 meV", "3 meV", "4 meV"]', lambda spec: spec.parameters[0].default == (1, 2, 3, 4)),
+    ("", '[parameters]\nB = { file = "k.csv", size = 4, unit = "meV" }\n[effects.axis]\nenergy = "-(K[i] + B[i])*w[i].z^2"\n[effects.net]\nenergy = "-B[i]*dot(w[i], w[j])"\n'
+     '[effects.ring]\nenergy = "-B[i]*dot(w[i], w[j])"', lambda spec: spec.parameters[1].default == (5, 6, 7, 8)),
+    ("", '[runs.demo]\noutput = { period = "0.2 ps" }', lambda spec: spec.runs[0].period is not None),
+    ('{ every = 10 }|{ period = "0.2 ps" }', "[runs.demo]\noutput = { every = 5 }", lambda spec: spec.runs[0].every == 5 and spec.runs[0].period is None),
+    ("", '[space]\nw = { moment = "2 mu_B" }', lambda spec: spec.families[0].kappa != load_sites().families[0].kappa),
+    ("", '[graphs.ring]\nfile = "edges.csv"', lambda spec: smidgen.build(spec).sites == 4),
+    ("edges = [[0, 1], [1, 2], [2, 3]]|file = \"edges.csv\"", "[graphs.ring]\nedges = [[0, 3]]", lambda spec: smidgen.build(spec).sites == 4),
+    ("", '[lattices.net]\nname = "square"', lambda spec: smidgen.build(spec).sites == 4)])
+def test_a_key_takes_the_place_of_those_that_it_excludes(written, tmp_path, far, near, seen):
+    (tmp_path / "k.csv").write_text("5\n6\n7\n8\n")
+    (tmp_path / "edges.csv").write_text("0,2\n1,3\n")
+    spec = load(written(sites=SITES.replace(*far.split("|")) if far else SITES, top=f'[scene]\nbase = "sites.toml"\n{near}\n'))
+    assert seen(spec) and spec.runs[1].period is not None
+
+
+@pytest.mark.parametrize("base", ["{ default = [1.0, 2.0], size = 2 }", "{ default = 1.0, size = 2 }"])
+def test_a_fault_in_a_list_for_a_parameter_of_the_base_is_pointed_at(written, base):
+    film = FILM.replace("K = 0.3", f"K = {base}").replace("-K*", "-K[0]*")
+    (found,) = errors(written(film=film, hot=on_film('[parameters]\nK = [1, "a"]\n')))
+    assert found.file.endswith("hot.toml") and (found.line, found.text) == (4, 'K = [1, "a"]')
+
+
+def load_sites():
+    return smidgen.load_text(SITES.replace('file = "k.csv"', 'default = "1 meV"').replace(', unit = "meV"', ""))
+
+
 def test_an_integer_default_stays_one(written):
     path = written(film=FILM, wide=on_film("[parameters]\nnx = 6\n"))
     assert {p.name: p.kind for p in load(path).parameters}["nx"] == "int"
