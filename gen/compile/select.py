@@ -3,6 +3,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..errors import UsageError
 from ..language.expr import Elem, Par, walk
 from ..language.spec import Lattice, Parameter, Spec
@@ -59,6 +61,7 @@ def with_defaults(spec: Spec, given: dict) -> Spec:
 
 def converted(p: Parameter, value):
     """`value` as the kind of `p`; UsageError when it does not fit."""
+    value = value.item() if isinstance(value, np.ndarray) and not value.ndim else value
     if p.kind == "array":
         entries = value if hasattr(value, "__len__") else (value,)
         if p.vector and len(entries) == 1 and not hasattr(entries[0], "__len__"):
@@ -73,7 +76,7 @@ def converted(p: Parameter, value):
 
 
 def finite(p: Parameter, value):
-    if isinstance(value, (bool, str)) or not hasattr(value, "__float__"):
+    if isinstance(value, (bool, str, complex, np.complexfloating)) or not hasattr(value, "__float__"):
         raise UsageError(f"`{p.name}` needs a number, not {value!r}")
     value = value if isinstance(value, int) else float(value)
     trouble = number_trouble(value)

@@ -60,10 +60,20 @@ def test_a_list_or_another_type_is_copied(toy):
 
 @pytest.mark.parametrize("w, said", [
     (np.zeros((2, 3)), r"shape \(3, 3\)"), ([["a"] * 3] * 3, "array of numbers"),
-    ("nowhere", "ring")])
+    (np.array([[1, 0, 0]] * 3, complex), "array of real numbers"), ("nowhere", "ring")])
 def test_wrong_starts(toy, w, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.build(toy, effects=["field"]).start(w, h=0.1)
+
+
+def test_complex_numbers_are_refused_and_arrays_of_one_number_are_numbers(toy):
+    for value in (np.complex128(2), np.complex64(2), np.array(2j)):
+        with pytest.raises(smidgen.UsageError, match="J. must be one number"):
+            smidgen.run(toy, "demo", parameters={"J": value})
+    with pytest.raises(smidgen.UsageError, match="start"):
+        smidgen.ensemble(toy, start=np.array([[[1, 0, 0]] * 3] * 2, complex), h=0.1, steps=2)
+    one, other = (smidgen.run(toy, "demo", parameters={"J": value}) for value in (2.0, np.array(2.0)))
+    assert np.array_equal(one.final, other.final) and other.meta["parameters"]["J"] == 2.0
 
 
 @pytest.mark.parametrize("h", [None, 0.0, float("nan"), float("inf")])

@@ -71,6 +71,15 @@ def test_every_cell_is_its_run(command, path):
             k += 1
 
 
+def test_names_may_come_from_a_generator(path, tmp_path):
+    found = sweep(path, out=tmp_path / "out", axes={"b": np.array([0.5, 1.0])}, what=(name for name in ["energy"]), effects=iter(["only"]), processes=1)
+    assert [cell["status"] for cell in found] == ["complete"] * 2
+    assert smidgen.load_result(tmp_path / "out/cell-1.npz").w is None
+    for values in (0.5, "0.5", np.array(0.5), iter([0.5])):
+        with pytest.raises(smidgen.UsageError, match="the axis 'b' of a sweep must be a list of values"):
+            sweep(path, out=tmp_path / "other", axes={"b": values})
+
+
 def test_failed_cells_are_kept_and_named(command, path):
     folder = path.parent / "cells"
     said = command("sweep", path, "wide", "--set", "a=0:0.9:3", "--starts", 6, "--out", folder)

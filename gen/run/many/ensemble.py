@@ -25,6 +25,7 @@ from ..step.library import functions, loaded, packed
 from ..step.noise import noise_of
 from ..step.pace import Pace
 from ..step.prepared import Prepared, checked_tolerance
+from ..step.real import real_array
 from ..step.start import find_start, state_at, wrong_start
 from ..step.status import NO_MEMORY, STATUS, Status
 from ..settings import settle, whole
@@ -194,8 +195,8 @@ class Stepped:
 
 def _stacked(start) -> np.ndarray:
     try:
-        w = np.array(start, dtype=float, order="C")
-    except (TypeError, ValueError):
+        w = np.array(real_array(start, float, "the start"), order="C")
+    except UsageError:
         raise UsageError("the start must be an array of shape (members, sites, 3), or a name") from None
     if w.ndim == 2:
         w = w[:, None, :]
@@ -211,10 +212,7 @@ def _is_own(spec, name: str, value) -> bool:
         return False
     if p.kind == "int" or p.fixed:
         raise UsageError(f"'{name}' must be the same for all members: it is {'an integer parameter' if p.kind == 'int' else 'fixed when the model is compiled'}")
-    try:
-        array = np.asarray(value, float)
-    except (TypeError, ValueError):
-        raise UsageError(f"'{name}' must be an array of numbers, one for each member") from None
+    array = real_array(value, float, f"'{name}', one value for each member,")
     bad = ~(np.isfinite(array) & (np.abs(array) <= limits.LARGEST) & ((array == 0) | (np.abs(array) >= limits.SMALLEST)))
     if bad.any():
         raise UsageError(f"'{name}' of member {int(np.argwhere(bad)[0][0])} is {array[bad][0]}: it must be 0 or a number between "

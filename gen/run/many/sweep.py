@@ -51,7 +51,9 @@ class Cell:
 def cells_of(axes: Mapping[str, list], starts: int | None, seed: int | None) -> list[Cell]:
     """Every combination of the values; for each the seeds from `seed` on, or that one. Raises UsageError for none, or too many."""
     total = starts or 1
-    for values in axes.values():
+    for name, values in axes.items():
+        if isinstance(values, str) or not hasattr(values, "__getitem__") or getattr(values, "ndim", 1) == 0:
+            raise UsageError(f"the axis '{name}' of a sweep must be a list of values, not {values!r}")
         total *= len(values)
     if not 1 <= total <= limits.CELLS:
         raise UsageError(f"a sweep must have from 1 to {limits.CELLS} cells, not {total}")
@@ -88,6 +90,7 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
     When interrupted, cells that are being computed are completed; a second interrupt ends their processes. Completed cells are kept in any
     case.
     """
+    what, effects = (None if names is None else tuple(names) for names in (what, effects))      # each cell reads them again
     given = dict(start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, what=what, effects=effects,
                  parameters=dict(parameters or {}), real=real, native=native, substeps=substeps, estimate=estimate, tolerance=tolerance, fast=fast,
                  threads=threads)

@@ -144,7 +144,7 @@ def _nearest(name, known):
 
 def _scalar(p: Parameter, value):
     try:
-        number = float(value)
+        number = float(real(value))
     except (TypeError, ValueError):
         raise UsageError(f"'{p.name}' must be one number, not {value!r}") from None
     except OverflowError:
@@ -158,10 +158,17 @@ def _scalar(p: Parameter, value):
     return int(number)
 
 
+def real(value):
+    """The value. Raises TypeError for complex ones, whose imaginary parts numpy would drop."""
+    if np.iscomplexobj(value):
+        raise TypeError
+    return value
+
+
 def _array(p: Parameter, value, is_default, env):
     """A list of the right size; one number stands for that many equal ones."""
     try:
-        array = np.array(value, dtype=float)
+        array = np.array(real(value), dtype=float)
         array = array.ravel() if array.ndim == 2 and array.shape[1] == 3 else array     # a list of vectors
     except (TypeError, ValueError):
         raise UsageError(f"'{p.name}' must be a list of numbers") from None

@@ -27,6 +27,7 @@ from .grid import check_grid, grid_flags
 from .library import functions, loaded, loaded_with_threads, packed, passed
 from .noise import noise_of
 from .prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
+from .real import real_array
 from .saved import Saved
 from .start import find_start, state_at, wrong_start
 from .status import NO_MEMORY, REFUSED, STATUS, Status, advice, infinite_energies, what, why
@@ -339,7 +340,7 @@ class Integrator(ReadOnly):
         self._taken()
         if not hasattr(self._c, "tangent"):
             raise UsageError("this build has no tangent map: use build(..., features=('tangent',))")
-        array = _real_array(v, self.real)
+        array = real_array(v, self.real, "tangent vectors")
         if array.ndim not in (2, 3) or array.shape[-2:] != (self.sites, 3):
             raise UsageError(f"tangent vectors of {self.name} have shape ({self.sites}, 3) or "
                              f"(columns, {self.sites}, 3), not {np.shape(v)}")
@@ -400,10 +401,7 @@ class Integrator(ReadOnly):
 
     def _given(self, w):
         """`w` itself if C can work on it, else a copy. Raises UsageError for its shape."""
-        try:
-            array = np.ascontiguousarray(w, dtype=self.real)
-        except (TypeError, ValueError):
-            raise UsageError("a state must be an array of numbers") from None
+        array = real_array(w, self.real, "a state")
         if array.shape != (self.sites, 3):
             raise UsageError(f"a state of {self.name} has shape ({self.sites}, 3), "
                              f"not {np.shape(w)}")
@@ -458,13 +456,3 @@ def value_columns(scene: Spec) -> list[str]:
     axes = [f"momentum.{f.name}.{axis}" for f in scene.families for axis in "xyz"]
     return ["energy", *(f"energy.{e.name}" for e in scene.energies), *axes,
             *(o.name for o in scene.observables)]
-
-
-def _real_array(v, real):
-    """`v` itself if C can work on it, else a copy. Raises UsageError for what is no array of numbers."""
-    try:
-        return np.ascontiguousarray(v, dtype=real)
-    except (TypeError, ValueError):
-        raise UsageError("tangent vectors must be an array of numbers") from None
-
-
