@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ..language.expr import Expr, Num, Op
+from ..language.expr import Expr, Idx, Num, Op, walk
 from ..language.spec import Family, Spec
 from ..methods import OFFERS
 
@@ -35,8 +35,8 @@ class Response:
                        Q0=tuple(plus(a, times(scale, plus(y, times(along, x)))) for a, x, y in zip(self.Q0, F, Q)))
 
     def times(self, share: Expr) -> "Response":
-        """A part of it."""
-        return replace(self, f=times(share, self.f), q=times(share, self.q), F0=tuple(times(share, x) for x in self.F0), Q0=tuple(times(share, x) for x in self.Q0))
+        """A part of it: all or nothing."""
+        return replace(self, f=where(share, self.f), q=where(share, self.q), F0=tuple(where(share, x) for x in self.F0), Q0=tuple(where(share, x) for x in self.Q0))
 
     @property
     def drag(self) -> Expr:
@@ -73,6 +73,12 @@ def plus(a: Expr, b: Expr) -> Expr:
 
 def times(a: Expr, b: Expr) -> Expr:
     return Num(0) if Num(0) in (a, b) else b if a == Num(1) else a if b == Num(1) else Op("*", (a, b))
+
+
+def where(share: Expr, x: Expr) -> Expr:
+    """x times a share of 0 or 1; 0 where the share is, also if x is infinite there."""
+    by_site = any(isinstance(e, Idx) for e in walk(x)) and not isinstance(share, Num)
+    return Op("if", (Op(">", (share, Num(0))), x, Num(0))) if by_site else times(share, x)
 
 
 def family_of(spec: Spec, name: str) -> Family:

@@ -39,9 +39,12 @@ size_t SMG_PUBLIC(savesize)(const smg_model *model) {
   return smg_saved_size(smg_begin(&c, model, 0));
 }
 void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) {
-  smg_choose_own(&s->c);
-  smg_move_saved(s, SMG_TO_LAYERS);
-  smg_save_state(s, out);
+  if (!s->w) out[SMG_SAVED_SIZE] = 0; /* which restore refuses */
+  else {
+    smg_choose_own(&s->c);
+    smg_move_saved(s, SMG_TO_LAYERS);
+    smg_save_state(s, out);
+  }
 }
 smg_status SMG_PUBLIC(restore)(smg_state *s, const smg_real *in) {
   smg_choose_own(&s->c);

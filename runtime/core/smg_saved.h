@@ -183,7 +183,19 @@ SMG_RARE static int smg_good_head(const smg_coefficients *c, const smg_real *in)
          smg_integer_in(in[SMG_SAVED_HISTORY], SMG_SAVED_STALE, SMG_HISTORY) &&
          smg_good_degree(in[SMG_SAVED_DEGREE], in[SMG_SAVED_HISTORY]) &&
          smg_integer_in(in[SMG_SAVED_NEWTON_STEPS], SMG_SAVED_LEAST_STEPS, SMG_SAVED_MOST_STEPS) &&
-         in[SMG_SAVED_SCALE] >= 0 && in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1 && smg_good_noise(in);
+         in[SMG_SAVED_TOLERANCE] >= 0 && in[SMG_SAVED_TOLERANCE] < 1 && smg_good_noise(in);
+}
+
+#define SMG_SAVED_SCALES 4 /* what turns and half a radius change the largest component by, at most: 3/2 sqrt(3) */
+
+/* May the largest component of the start be this one? Of sites that go anywhere, or that others know, it may be any. */
+SMG_RARE static int smg_good_scale(const smg_coefficients *c, const smg_real *in) {
+  const smg_real scale = in[SMG_SAVED_SCALE], *w = in + SMG_SAVED_HEAD;
+  smg_real most = smg_saved_off_sphere(in) < 1 ? 0 : SMG_MAX;
+  for (int64_t k = smg_own_from(c); k < smg_own_to(c); ++k)
+    smg_take(&most, smg_present(c, k) * (smg_kind(c, k) == SMG_NAMBU ? SMG_MAX : smg_largest(w + 3 * k)));
+  return smg_is_divided() || most >= SMG_MAX ? scale >= 0
+                                             : scale <= SMG_SAVED_SCALES * most && most <= SMG_SAVED_SCALES * scale;
 }
 
 /* Is this a saved state of a model with these sizes, by all that can be seen? Times, h and w are judged as init does
@@ -194,7 +206,7 @@ SMG_RARE static smg_status smg_check_saved(const smg_coefficients *c, const smg_
   if (!(in[SMG_SAVED_SIZE] == (smg_real)size)) return SMG_BAD_PARAMETER;
   for (size_t k = 0; k < size; k = smg_next_saved(c, k, SMG_SAVED_HEAD))
     if (!(SMG_MATH(fabs)(in[k]) <= SMG_MAX)) return SMG_NOT_FINITE;
-  if (!smg_good_head(c, in)) return SMG_BAD_PARAMETER;
+  if (!smg_good_head(c, in) || !smg_good_scale(c, in)) return SMG_BAD_PARAMETER;
   const smg_status times = smg_check_times((double)in[SMG_SAVED_T0], (double)in[SMG_SAVED_H]);
   if (times != SMG_OK) return times;
   for (*site = smg_own_from(c); *site < smg_own_to(c); ++*site)
@@ -218,11 +230,11 @@ SMG_RARE static void smg_restore_head(smg_state *s, const smg_real *in) {
 }
 
 SMG_RARE static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
-  const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);
   int64_t site = 0;
   const smg_status found = s->w ? smg_check_saved(&s->c, in, &site) : SMG_BAD_PARAMETER,
                    status = smg_status_of_ranks(found, &site);
   if (status != SMG_OK) return status;
+  const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);
   smg_restore_head(s, in);
   if (!smg_may_begin(s)) return s->report.status = SMG_BAD_PARAMETER;
   smg_begin_arrays(s, s->w, 3 * smg_sites(&s->c));

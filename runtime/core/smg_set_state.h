@@ -65,7 +65,7 @@ SMG_COLD static int smg_renew(smg_state *s) {
   return s->report.status == SMG_OK;
 }
 
-/* Before a step: does the state know the parameters? */
-SMG_INLINE int smg_is_ready(smg_state *s) { return !smg_is_stale(s) || smg_renew(s); }
+/* Before a step: has the state memory, and does it know the parameters? One that is 0 has not been given any yet. */
+SMG_INLINE int smg_is_ready(smg_state *s) { return (s->w && !smg_is_stale(s)) || smg_renew(s); }
 
 #endif

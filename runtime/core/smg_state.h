@@ -169,7 +169,6 @@ static inline void smg_blank_history(smg_state *s) { s->degree = SMG_NO_DEGREE; 
 static void smg_blank(smg_state *s, const smg_model *model, double t0, double h) {
   memset(s, 0, sizeof *s);
   s->c.model = model;
-  s->version = model->version;
   s->report.status = SMG_BAD_PARAMETER;
   s->report.site = s->report.partner = -1;
   s->t0 = t0;
@@ -240,11 +239,12 @@ static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *me
   if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
   if (s->report.status != SMG_OK) return s->report.status;
   smg_choose_own(&s->c);
-  if (!smg_may_begin(s) || !smg_may_cut(&s->c)) return s->report.status = SMG_BAD_PARAMETER;
+  if (!mem || !smg_may_begin(s) || !smg_may_cut(&s->c)) return s->report.status = SMG_BAD_PARAMETER;
   smg_begin_arrays(s, (smg_real *)mem, 0);
   s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
   s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);
   if (s->report.status == SMG_OK) smg_put_state(s, w);
+  else --s->version; /* a step looks at w first, as where parameters are others */
   return s->report.status;
 }
 

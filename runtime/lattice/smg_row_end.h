@@ -33,6 +33,14 @@ SMG_INLINE smg_told smg_told_at(const smg_turning turn, SMG_UNUSED int64_t slot)
 #endif
 }
 
+/* Squares of vectors in the slots of one vector, those of small spheres as if they were as large as the largest one. */
+SMG_INLINE smg_lanes smg_as_large(smg_real largest, smg_inverse inverse, smg_lanes square) {
+  return SMG_RADII ? (smg_lanes)(largest * largest * inverse * square) : square;
+}
+SMG_INLINE smg_lanes smg_turned_as_large(const smg_turning turn, int64_t slot, smg_lanes square) {
+  return smg_as_large(turn.small / SMG_SMALL_PART, smg_inverse_at(turn.inverses, slot), square);
+}
+
 static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
   const smg_real half = (smg_real)0.5 * smg_h_over_kappa(&s->c, 0, h);
   smg_turning turn = {
@@ -82,7 +90,7 @@ SMG_INLINE void smg_end_slots(const smg_turning turn, int64_t slot, int64_t in, 
   if (SMG_ONTO_LEAF) smg_lane_axpy(e, -(inverse * smg_lane_dot(w, m)), m, 3);
   else smg_lane_axpy(e, smg_lane_of(-1), m, 3);
   smg_first_lanes(in, u); /* of what is no site of the piece 0, in empty slots to stay */
-  *most = smg_lane_max(*most, smg_lane_first(in, smg_lane_dot(e, e)));
+  *most = smg_lane_max(*most, smg_lane_first(in, smg_turned_as_large(turn, slot, smg_lane_dot(e, e))));
   smg_put_slots(turn.u, turn.u_pitch, slot, u);
 }
 

@@ -63,8 +63,9 @@ static void smg_onto_spheres(const smg_state *s) {
   }
 }
 
-/* The largest distance between the vectors of two arrays. */
+/* The largest distance between the vectors of two arrays, on small spheres as if they were as large as the others. */
 static smg_real smg_rows_apart(const smg_state *s, const smg_real *from, const smg_real *to) {
+  const smg_real largest = smg_at_all_sites(&s->c, smg_radius);
   const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
   smg_lanes most = {0};
   for (int64_t slot = 0; slot < slots; slot += SMG_LANES) {
@@ -72,7 +73,7 @@ static smg_real smg_rows_apart(const smg_state *s, const smg_real *from, const s
     smg_take_slots(from, pitch, slot, a);
     smg_take_slots(to, pitch, slot, b);
     smg_lane_axpy(a, smg_lane_of(-1), b, 3);
-    most = smg_lane_max(most, smg_lane_dot(a, a));
+    most = smg_lane_max(most, smg_as_large(largest, smg_inverse_at(smg_inverses_of(s), slot), smg_lane_dot(a, a)));
   }
   return SMG_MATH(sqrt)(smg_lane_largest(most));
 }

@@ -117,7 +117,7 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
   smg_put_slots(turn.m, turn.pitch, slot, v);
   if (!watched) return;
   smg_lane_waxpy(d, smg_lane_of(-1), m, v, 3);
-  moved->square = smg_lane_larger(moved->square, smg_lane_dot(d, d));
+  moved->square = smg_lane_larger(moved->square, smg_turned_as_large(turn, slot, smg_lane_dot(d, d)));
   if (small) smg_watch_slots(turn, slot, b, d, &moved->part);
   if (last) smg_end_slots(turn, slot, in, v, b, &moved->residual);
 }

@@ -137,22 +137,19 @@ ACCESSES = [("gamma[i] + 1", "1"), ("1 + F[i]", "1"), ("1 + gamma[2*i - i]", "1"
             ("1", "gamma[j]"), ("1", "F[i + j]"), ("1", "A[i + n*j + 0*j*k*i]"), ("1", "A[(k - 1)*i + (j - 1)*(k - 2) + 1]"),
             ("1", "gamma[n - 1 - i]")]
 BOX = [(n, m, k) for n in range(6) for m in range(5) for k in range(-1, 5)]
-TRY = """
-static void try_{name}(int64_t n, int64_t m, int64_t k) {{
-  double gamma[8], A[32];
+
+
+def one_try(sizes: str, arrays: tuple = (), fill: str = "") -> str:
+    """C that gives the parameters of {name} these sizes, and the arrays that `fill` declares, and prints the status of its model."""
+    given = "".join(f"  p.{x} = {x};\n" for x in (*sizes, *arrays))
+    return (f"\nstatic void try_{{name}}({', '.join(f'int64_t {x}' for x in sizes)}) {{{{\n{fill}  {{name}}_params p;\n  {{name}}_model model;\n  {{name}}_defaults(&p);\n"
+            f'{given}  printf("%d ", (int){{name}}_model_init(&model, &p));\n}}}}\n')
+
+
+TRY = one_try("nmk", ("gamma", "A"), """  double gamma[8], A[32];
   for (int e = 0; e < 8; ++e) gamma[e] = e < n ? 1 : (double)NAN; /* what is not its own reads as not finite */
   for (int e = 0; e < 32; ++e) A[e] = e < n * m ? 1 : (double)NAN;
-  {name}_params p;
-  {name}_model model;
-  {name}_defaults(&p);
-  p.n = n;
-  p.m = m;
-  p.k = k;
-  p.gamma = gamma;
-  p.A = A;
-  printf("%d ", (int){name}_model_init(&model, &p));
-}}
-"""
+""")
 
 
 def accepted(spec, place):
@@ -162,11 +159,11 @@ def accepted(spec, place):
         return False
 
 
-def said_by_c(folder, specs, one_try, box, method="spherical-midpoint"):
+def said_by_c(folder, specs, program, box, method="spherical-midpoint"):
     """The status of each size of the box, as the C of each spec has it."""
     files = {name: text for spec in specs for name, text in generate(spec, method).items() if not name.endswith("_abi.c")}
     heads = "".join(f'#include "{spec.name}.h"\n' for spec in specs)
-    tries = "".join(one_try.format(name=spec.name) for spec in specs)
+    tries = "".join(program.format(name=spec.name) for spec in specs)
     arguments = ", ".join(f"box[b][{k}]" for k in range(len(box[0])))
     calls = "".join(f'  for (int b = 0; b < {len(box)}; ++b) try_{spec.name}({arguments});\n  puts("");\n' for spec in specs)
     sizes = ", ".join(f"{{{', '.join(map(str, place))}}}" for place in box)
@@ -179,8 +176,8 @@ def said_by_c(folder, specs, one_try, box, method="spherical-midpoint"):
     return [line.split() for line in said]
 
 
-def refuses_what_the_reader_refuses(folder, specs, one_try, box, method="spherical-midpoint"):
-    for spec, said in zip(specs, said_by_c(folder, specs, one_try, box, method)):
+def refuses_what_the_reader_refuses(folder, specs, program, box, method="spherical-midpoint"):
+    for spec, said in zip(specs, said_by_c(folder, specs, program, box, method)):
         assert set(said) <= {"0", "5"}, spec.name
         assert [place for place, found in zip(box, said) if found == "5"] == [place for place in box if not accepted(spec, place)], spec.name
 
@@ -217,17 +214,6 @@ THREE, FOUR = ("i of a, j of b, k of a", "0.4*a[i].x*b[j].y*a[k].z"), ("i of a, 
 LOOPS = [("[[0, -1, 0], [0, 0, 0], [0, 1, 0]]", *THREE, "open"), ("[[0, 0, -1], [0, 0, 0], [0, 1, 1]]", *THREE, "periodic"), ("[[0, 0, -1], [0, 0, 0], [0, 0, 1]]", *THREE, "open"),
          ("[[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, -1, 0]]", *FOUR, "periodic"), ("[[0, 0, 1], [0, 2, 0], [0, 2, 2], [0, 2, 1]]", *FOUR, "periodic")]
 AROUND = [(n, m) for n in range(1, 6) for m in range(1, 6)]
-INIT = """
-static void try_{name}(int64_t n, int64_t m) {{
-  {name}_params p;
-  {name}_model model;
-  {name}_defaults(&p);
-  p.n = n;
-  p.m = m;
-  printf("%d ", (int){name}_model_init(&model, &p));
-}}
-"""
-
 
 @pytest.mark.parametrize("method", ["sublattice-rotations", pytest.param("spherical-midpoint", marks=pytest.mark.long)])
 def test_no_bond_of_several_families_joins_a_site_to_itself(method, tmp_path):
@@ -235,7 +221,7 @@ def test_no_bond_of_several_families_joins_a_site_to_itself(method, tmp_path):
     specs = [load_text(LOOPED.format(number=k, ends=ends, over=over, energy=energy, boundary=boundary)) for k, (ends, over, energy, boundary) in enumerate(LOOPS)]
     short = [lambda n, m: n < 3, lambda n, m: n == 1 and m < 3, lambda n, m: False, lambda n, m: n == 1 or m == 1, lambda n, m: n < 3 or m < 3]
     assert [[place for place in AROUND if not accepted(spec, place)] for spec in specs] == [[place for place in AROUND if is_short(*place)] for is_short in short]
-    refuses_what_the_reader_refuses(tmp_path, specs, INIT, AROUND, method)
+    refuses_what_the_reader_refuses(tmp_path, specs, one_try("nm"), AROUND, method)
 
 
 COUNTED = """
@@ -263,20 +249,9 @@ over = "site(i) of {other}"
 energy = "{other}[i].z"
 """
 UNNAMED = [("bond(i of a, j of b) of ring.near", "J[j]*a[i].x", "b"), ("edge(i, j) of path on b", "J[j]", "a"), ("bond(i, j) of ring.near on b", "J[j]", "a")]
-FILLED = """
-static void try_{name}(int64_t n, int64_t m, int64_t k) {{
-  double J[8];
+FILLED = one_try("nmk", ("J",), """  double J[8];
   for (int e = 0; e < 8; ++e) J[e] = 1;
-  {name}_params p;
-  {name}_model model;
-  {name}_defaults(&p);
-  p.n = n;
-  p.m = m;
-  p.k = k;
-  p.J = J;
-  printf("%d ", (int){name}_model_init(&model, &p));
-}}
-"""
+""")
 
 
 def test_families_that_no_formula_names_have_the_sites_of_their_bonds(tmp_path):

@@ -333,3 +333,34 @@ def test_other_commands_begin_where_the_run_does(effects, start):
     for found in (VerifyCase(spec, settings, 2), ValidateCase(settings, spec, 1), CostCase(spec, settings)):
         assert np.abs(found.w - w).max() < 1e-15
     assert VerifyCase(spec, settings, 2).numbers.present.all() == ("holes" not in effects)
+
+
+INFINITE = """
+[model]
+name = "infinite"
+[space]
+w = {{ sphere = "n" }}
+[parameters]
+n = 8
+[effects.exchange]
+over = "bond(i, j) of chain(n, periodic)"
+energy = "-0.7*dot(w[i], w[j])"
+[effects.hole]
+over = "site(i) of w"
+absent = "i == 3"
+[effects.push]
+over = "site(i) of w"
+torque = "({factor})*cross(w[i], {along})"
+[starts.random]
+random = 1
+"""
+
+
+@pytest.mark.parametrize("along", ["vec(0, 0.6, 0.8)", pytest.param("cross(w[i], vec(0, 0.6, 0.8))", marks=pytest.mark.long)])
+def test_a_torque_that_is_infinite_at_an_absent_site_is_none(along):
+    """Bit for bit as one that is 0 there, and as the witness has it."""
+    infinite, none = (smidgen.load_text(INFINITE.format(factor=factor, along=along)) for factor in ("0.2/abs(i - 3)", "if(i == 3, 0, 0.2/(abs(i - 3) + if(i == 3, 1, 0)))"))
+    one, other = (smidgen.build(spec).start("random", h=0.05).steps(3).w for spec in (infinite, none))
+    assert np.array_equal(one, other)
+    start = smidgen.build(infinite).start("random", h=0.05).w.copy()
+    assert np.abs(Witness(infinite).steps(start, 0.0, 0.05, 3)[-1] - one).max() < 1e-14

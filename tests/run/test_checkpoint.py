@@ -103,7 +103,7 @@ def test_counts_beyond_the_integers_of_a_double(chain):
 @pytest.mark.parametrize("place, values", [
     (SIZE, [0, 1e9, np.nan]), (PAST, [0, 11]), (H, [1e-310, -1e-310, np.inf]), (COUNT_HIGH, [-1, 0.5, 2.0 ** 30, 2.0 ** 31]),
     (COUNT_LOW, [-1, 0.5, 2.0 ** 32]), (HISTORY, [-2, 8, 2.5]), (DEGREE, [-2, 7, 0.5]), (NEWTON_STEPS, [-256, 256, 1.5]), (TOLERANCE, [-1e-9, 1.0]),
-    (SCALE, [-1, np.nan]), (HEAD, [np.nan, np.inf]), (HEAD + 36, [np.nan]), (-1, [-np.inf])])
+    (SCALE, [-1, np.nan, np.inf, 0, 5, 0.1]), (HEAD, [np.nan, np.inf]), (HEAD + 36, [np.nan]), (-1, [-np.inf])])
 def test_what_cannot_be_a_saved_state_is_refused(chain, place, values):
     before = chain.save()
     for value in values:
@@ -139,7 +139,7 @@ def test_a_saved_state_is_on_its_spheres(name, method):
 
 def test_the_edges_of_a_saved_state(chain):
     saved = chain.save()
-    for place, value in ((NEWTON_STEPS, -255), (HISTORY, 5), (DEGREE, 4), (SCALE, 0)):       # by rows five increments are kept
+    for place, value in ((NEWTON_STEPS, -255), (HISTORY, 5), (DEGREE, 4), (SCALE, 3.5)):       # by rows five increments are kept
         edge = saved.copy()
         edge[place] = value
         np.testing.assert_array_equal(chain.restore(edge).save(), edge)

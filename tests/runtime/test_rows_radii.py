@@ -4,6 +4,7 @@ import pytest
 import smidgen
 from smidgen.check.witness import Witness
 from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError
 from support.by_sites import by_sites
 from support.going_on import one_by_one, restored
 from support.widths import same_in_lanes
@@ -75,3 +76,31 @@ def test_one_large_sphere_decides():
 def test_what_prevents_it_is_said(energy, method, said):
     spec = lattice("radii", "chain(n, periodic)", 16, "n", EXCHANGE + field(energy), more=RADII)
     assert generate(spec, method).notes["reason"].endswith(f"the radius of `w` differs from site to site{said}")
+
+
+SMALL = lattice("small", "chain(n, periodic)", 16, "n", """r = {{ default = 1.0, size = "n" }}
+f = {{ default = 1.0, size = "n" }}
+""" + EXCHANGE.replace("-0.7", "-r[i]*r[j]"), more=', radius = "r[i]", kappa = "r[i]/f[i]"')
+
+
+def fifth(model, w, h, size):
+    """The status of a step, and where the fifth site is in units of its size."""
+    try:
+        return None, model.start(w.copy(), h=h).steps(1).w[5] / size
+    except RunError as error:
+        return error.status, np.zeros(3)
+
+
+def test_a_small_sphere_whose_branch_ends_is_noticed():
+    """It turns five times as fast as the others. In 2 of 60 large steps its midpoint runs into the centre; in units of the largest radius it hardly moves, and
+    another solution was taken."""
+    rng, ends = np.random.default_rng(1), []
+    r, f = (np.where(np.arange(16) == 5, value, 1.0) for value in (2.0**-40, 5))
+    by_row, alone = (build(SMALL, parameters={"r": list(r), "f": list(f)}) for build in (smidgen.build, by_sites))
+    for _ in range(60):
+        w = rng.normal(size=(16, 3))
+        w *= (r / np.linalg.norm(w, axis=1))[:, None]
+        h = rng.uniform(0.3, 0.9)
+        ends.append((fifth(by_row, w, h, 2.0**-40), fifth(alone, w, h, 2.0**-40)))
+    assert all(one[0] == other[0] and np.abs(one[1] - other[1]).max() < 1e-9 for one, other in ends)
+    assert sum(one[0] is not None for one, _ in ends) == 2
