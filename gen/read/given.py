@@ -5,6 +5,7 @@ They are read by the grammar of the spec language; nothing else ever interprets 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from ..errors import SpecError, UsageError
 from ..language import codes, limits
@@ -71,6 +72,8 @@ def told(text: str, what: str, reader, measured: bool = True):
 
 def scaled(spec: Spec, parameters: dict) -> dict:
     """Values by name, those in texts, `"1.5 meV"`, in the units of the spec; whatever else is wrong with them is found elsewhere."""
+    if not isinstance(parameters, Mapping):
+        raise UsageError(f"parameters must be a dictionary of values by name, not {parameters!r}")
     units, known = spec.units, {p.name: p.unit for p in spec.parameters} if spec.units else {}
     return {name: number_of(units, name, value, units.of("name", name), known[name]) if name in known else value for name, value in parameters.items()}
 

@@ -105,6 +105,8 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
 def asked_averages(spec: Spec, given: Mapping) -> Averages:
     """Those of a call: `what`, `after` and `bins`, each optional. Raises UsageError for another key, and for names that are none."""
     known = [f.name for f in dataclasses.fields(Averages)]
+    if not isinstance(given, Mapping):
+        raise UsageError(f"averages must be a dictionary with the optional keys {', '.join(known)}, not {given!r}")
     for key in given:
         if key not in known:
             raise UsageError(f"averages have no '{key}'{guess(str(key), known, {})}")

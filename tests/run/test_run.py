@@ -76,6 +76,12 @@ def test_complex_numbers_are_refused_and_arrays_of_one_number_are_numbers(toy):
     assert np.array_equal(one.final, other.final) and other.meta["parameters"]["J"] == 2.0
 
 
+@pytest.mark.parametrize("given", [{"averages": []}, {"averages": "mz"}, {"parameters": [("J", 1.0)]}])
+def test_what_must_be_a_dictionary(toy, given):
+    with pytest.raises(smidgen.UsageError, match="must be a dictionary"):
+        smidgen.run(toy, "demo", **given)
+
+
 @pytest.mark.parametrize("h", [None, 0.0, float("nan"), float("inf")])
 def test_wrong_steps(toy, h):
     with pytest.raises(smidgen.UsageError, match="h must be"):
