@@ -24,6 +24,7 @@ from . import interrupts
 from .files.checkpoint import refuse_unfinished
 from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
+from .step.block import clean
 from .step.integrator import Integrator
 from .files.options import OPTIONS, SHORT
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
@@ -275,7 +276,7 @@ def went_by_rows(model) -> bool | None:
 def _finish(model, settings, recorder, status, error, began):
     recorder.flush()
     recorder.look_at_end()
-    meta, extras, t, by_rows = describe(model, settings, status), {"final": model.state()}, model.t, went_by_rows(model)
+    meta, extras, t, by_rows = describe(model, settings, status), {"final": clean(model.state())}, model.t, went_by_rows(model)
     if status == "complete":
         meta["estimate"] = settings.estimate if settings.estimate is not None else bool(model.scene.heated) or ranks.on_first(lambda: clock.perf_counter() - began < SHORT)
         if meta["estimate"]:

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import smidgen
+from smidgen.run.step.integrator import Integrator
 from smidgen.run.files.output import OutputError
 from smidgen.run.settings import multiple, settle
 
@@ -331,6 +332,20 @@ def test_extended_precision_keeps_its_digits(toy, tmp_path, suffix):
         assert np.array_equal(found[name], again[name]) and found[name].dtype == again[name].dtype
     assert np.array_equal(found.final, again.final) and again.final.dtype == np.longdouble and again.substeps.shape == (0, 3)
     assert np.finfo(np.longdouble).nmant == 52 or not np.array_equal(found.final, found.final.astype(float))
+
+
+@pytest.mark.skipif(np.dtype(np.longdouble).itemsize != 16 or np.finfo(np.longdouble).nmant != 63, reason="no long double of 80 bits")
+def test_files_hold_no_bytes_of_memory_beside_the_numbers(toy, tmp_path, monkeypatch):
+    state = Integrator.state
+
+    def spoilt(self, out=None):
+        found = state(self, out)
+        found.view(np.uint8).reshape(-1, 16)[:, 10:] = 0xFF
+        return found
+    monkeypatch.setattr(Integrator, "state", spoilt)
+    smidgen.run(toy, "demo", real="long double", out=tmp_path / "a.npz")
+    with np.load(tmp_path / "a.npz") as file:
+        assert not any(file[name].view(np.uint8).reshape(-1, 16)[:, 10:].any() for name in file if file[name].dtype == np.longdouble)
 
 
 @pytest.mark.parametrize("sites, good", [(29_998, True), (29_999, False)])
