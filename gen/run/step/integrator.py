@@ -355,8 +355,12 @@ class Integrator(ReadOnly):
             name, meaning = STATUS.get(status - REFUSED, NO_MEMORY)
             if status - REFUSED == Status.BAD_PARAMETER:
                 meaning = "no step has been taken since the state was changed or restored"
-            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - REFUSED, self.count,
-                           site=self.report()["site"])
+            site = self.report()["site"]
+            if status - REFUSED == Status.SINGULAR and site >= 0 and not self.w[site].any():
+                other = next(m.name for m in METHODS.values() if m.midpoint and not m.onto_leaf)
+                meaning = (f"site {site} is the zero vector of R^3, where a step that projects onto |w| has no derivative; "
+                           f"use the method {other}, or leave the site out")
+            raise RunError(f"tangent map of step {self.count}: {name}: {meaning}", status - REFUSED, self.count, site=site)
         if not array.flags.writeable:
             return carried
         array[...] = carried
