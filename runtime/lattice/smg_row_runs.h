@@ -43,7 +43,8 @@ static inline void smg_begin_colour(const smg_coefficients *c, int64_t colour, s
 /* The next piece; 0 where they end. */
 SMG_INLINE int smg_open_piece(smg_piece *piece) {
   piece->start = piece->at.start + piece->from;
-  piece->size = piece->end - piece->start < piece->room ? piece->end - piece->start : piece->room;
+  piece->size = piece->start > piece->known->first[piece->at.colour].start ? piece->room : piece->known->begin;
+  if (piece->size > piece->end - piece->start) piece->size = piece->end - piece->start;
   piece->done = 0;
   return piece->size > 0;
 }

@@ -134,21 +134,43 @@ SMG_INLINE void smg_aim_run(const smg_coefficients *c, const smg_turning turn, c
   }
 }
 
+/* The midpoints of one vector, whose directions are in a piece from its k-th slot on. */
+SMG_INLINE void smg_turn_aimed(const smg_turning turn, const smg_piece *piece, int64_t k, int64_t slot, int64_t in,
+                               int watched, int small, int last, smg_row_motion *moved) {
+  const smg_lanes none = {0};
+  smg_lanes v[3], field[3] = {none, none, none};
+  smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
+  if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+  smg_turn_slots(turn, slot, in, v, field, watched, small, last, moved);
+}
+
 /* From there to the midpoints of a piece. */
 SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece, int watched, int small, int last,
                                  smg_row_motion *moved) {
-  for (int64_t k = 0; k < piece->size; k += SMG_LANES) {
-    const smg_lanes none = {0};
-    smg_lanes v[3], field[3] = {none, none, none};
-    smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
-    if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
-    smg_turn_slots(turn, piece->start + k, piece->size - k, v, field, watched, small, last, moved);
-  }
+  for (int64_t k = 0; k < piece->size; k += SMG_LANES)
+    smg_turn_aimed(turn, piece, k, piece->start + k, piece->size - k, watched, small, last, moved);
+}
+
+/* Once more the last sites of those rows of a run that meet the first ones across a seam, in the field of what these
+ * are by now. Before the first pass such sites are not extrapolated as well as others: of a ring the first ones follow
+ * then, and the last ones. */
+SMG_INLINE void smg_turn_ends(const smg_coefficients *c, const smg_turning turn, smg_run run, smg_piece *piece,
+                              enum smg_row_way way, int watched, int small, smg_row_motion *moved) {
+  const int64_t from = run.start + run.from, to = run.start + run.to, last = run.sites - 1;
+  for (; run.start + last < to; run.start += run.length)
+    for (int k = run.start + last < from ? 0 : way != SMG_FROM_BEFORE && smg_rows(c) == 1 ? 3 : 1; k > 0; --k) {
+      run.from = k % 2 > 0 ? last : 0;
+      run.to = run.from + 1;
+      smg_aim_run(c, turn, &run, 0, way, small, 0, piece, 0);
+      smg_turn_aimed(turn, piece, 0, run.start + run.from, 1, watched, small, 0, moved);
+    }
 }
 
 /* The spins of a piece. */
 SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn, smg_piece *piece,
                                enum smg_row_way way, int watched, int small, int last, smg_row_motion *moved) {
+  const smg_lattice_row at = piece->at;
+  const int64_t from = piece->from;
   smg_row_motion most = *moved;
   smg_run run;
   for (int64_t k = 0; smg_next_run(c, piece, &run); k = piece->done) {
@@ -157,6 +179,13 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   }
   if (watched) smg_turn_vectors(turn, piece, 1, small, last, &most);
   else smg_turn_vectors(turn, piece, 0, 0, 0, &most);
+  if (smg_meet_along(c, 0)) {
+    piece->at = at;
+    piece->from = from;
+    piece->done = 0;
+    while (smg_next_run(c, piece, &run))
+      if (run.sites * SMG_ROW_STEP > smg_cells(c, 0)) smg_turn_ends(c, turn, run, piece, way, watched, small, &most);
+  }
   *moved = most;
 }
 

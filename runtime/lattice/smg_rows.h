@@ -108,12 +108,13 @@ typedef struct smg_share {
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
-/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours? */
+/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours: along one direction, or
+ * any? */
+SMG_INLINE int smg_meet_along(const smg_coefficients *c, int d) {
+  return (SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0;
+}
 static inline int smg_meet_at_seam(const smg_coefficients *c) {
-  int meet = 0;
-  for (int d = 0; d < 4; ++d)
-    meet = meet || ((SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0);
-  return meet;
+  return smg_meet_along(c, 0) || smg_meet_along(c, 1) || smg_meet_along(c, 2) || smg_meet_along(c, 3);
 }
 
 /* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
@@ -424,9 +425,17 @@ SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
 }
 
-/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. */
+/* How many rows lie between the first and the last of a plane, where these meet across a seam. */
+static inline int64_t smg_rows_between(const smg_coefficients *c) {
+  return smg_meet_along(c, 1) ? smg_place_in_plane(c, smg_cells(c, 1) - 1) : SMG_PIECE;
+}
+
+/* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. Where the
+ * first and the last row of a plane meet across a seam, a plane, of which the first piece has the rows before the last:
+ * so these two are not in one piece, and feel each other as sites of two colours do. */
 static inline int64_t smg_piece_room(const smg_coefficients *c) {
-  const int64_t length = smg_row_length(c);
+  const int64_t length = smg_row_length(c), plane = smg_cells(c, 1) * length, apart = smg_rows_between(c) * length;
+  if (apart < SMG_PIECE) return plane <= SMG_PIECE ? plane : apart;
   for (int64_t n = SMG_PIECE / length; n > 0; --n)
     if (n * length % SMG_WIDEST == 0) return n * length;
   return SMG_PIECE;
@@ -447,7 +456,7 @@ typedef struct smg_besides {
 #endif
   int known[SMG_KNOWN];
   smg_real place[SMG_LONG_ROW + SMG_WIDEST];
-  int64_t room; /* slots of a piece */
+  int64_t room, begin; /* slots of a piece, and of the first one of a colour */
   smg_lattice_row first[SMG_COLOURS];
 #if SMG_SITE_VALUES
   const smg_real *values; /* of sites, by slots */
@@ -468,6 +477,7 @@ static inline void smg_forget_besides(const smg_coefficients *c, SMG_UNUSED void
   memset(all->known, 0, sizeof all->known);
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
   all->room = smg_piece_room(c);
+  all->begin = smg_rows_between(c) * length < SMG_PIECE ? smg_rows_between(c) * length : all->room;
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_first_row(c, colour);
   all->beside = NULL;
 }

@@ -252,6 +252,16 @@ def test_passes_that_are_not_watched_are_no_more(monkeypatch, start, h):
     assert found[0][0] > min(found[0]) and found[0] == found[1]
 
 
+@pytest.mark.parametrize("over, sites, even", [("chain(n, periodic)", "n", 100), ("square(n, n, periodic)", "n*n", 16), ("cubic(n, n, n, periodic)", "n*n*n", 8)], ids=["ring", "square", "cubic"])
+def test_a_seam_takes_one_sweep_more(over, sites, even):
+    """Sites of one colour that meet across the seam of odd sides feel the newest midpoints of each other: as many sweeps as even sides take, and one more; two where three seams meet."""
+    found = []
+    for n in (even, even + 1):
+        model = smidgen.build(lattice("rings", over, n, sites, EXCHANGE)).start("random", h=0.05).steps(10)
+        found.append(max(model.steps(1).report()["iterations"] for _ in range(5)))
+    assert found[0] <= found[1] <= found[0] + 1 + (even < 16)
+
+
 def test_a_tiny_component_keeps_its_own_rate(monkeypatch):
     """All spins along z but for 1e-300: what is tiny solves the linear step of its own, to its own digits."""
     spec = lattice("ring", "chain(n, periodic)", 16, "n", EXCHANGE)
