@@ -374,12 +374,11 @@ SMG_INLINE void smg_take_turned(const smg_real *all, int64_t pitch, const int64_
 
 /* How sites find what is beside them: by rows; in blocks; in blocks from vectors that all stand as they are. */
 enum smg_standing { SMG_IN_ROWS, SMG_IN_BLOCKS, SMG_STRAIGHT_ON };
-
 /* Of a vector of a run of blocks. */
 SMG_INLINE const smg_slot_beside *smg_beside_of(const smg_run *run, int64_t j) {
   return run->beside + (uint64_t)(run->start + j) / SMG_WIDEST * SMG_BESIDES;
 }
-SMG_INLINE enum smg_standing smg_standing_of(const smg_run *run, int blocks, int64_t j) {
+SMG_INLINE int smg_standing_of(const smg_run *run, int blocks, int64_t j) {
   return !blocks ? SMG_IN_ROWS : *smg_beside_of(run, j) < SMG_SOME_TURNED / 2 ? SMG_STRAIGHT_ON : SMG_IN_BLOCKS;
 }
 
@@ -496,14 +495,6 @@ SMG_INLINE const smg_beside *smg_besides_of(const smg_coefficients *c, const smg
     all->known[kind] = 1; /* threads find all of them known */
   }
   return all->rows[kind];
-}
-
-/* All kinds at once, where several threads read them. */
-static inline void smg_know_besides(const smg_coefficients *c, smg_besides *all) {
-  const int64_t length = smg_row_length(c);
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
-      smg_besides_of(c, &at, all);
 }
 
 #endif
