@@ -127,17 +127,10 @@ SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part) {
 }
 #endif
 
-/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD); where they feel
- * each other across a seam, by the increments before, which are the only ones known. */
+/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other
+ * across the seam of a ring that is no multiple of the colours. */
 static void smg_begin_first_colour(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c);
-  if (smg_begun_by_increments(s)) {
-    smg_row_going go = smg_going_of(s, 0);
-    go.past[0] = s->row_u;
-    go.late = go.early;
-    smg_predict_share(go, part);
-    return;
-  }
   for (int k = 0; !s->row_alone && k < 3; ++k)
     smg_copy(s->row_m + k * pitch + part.from, s->row_w + k * pitch + part.from, part.to - part.from);
 }

@@ -227,13 +227,8 @@ static void smg_newest_increments(const smg_state *s, smg_real *u) {
 }
 #endif
 
-/* Do midpoints of the first colour begin with its increments of the step before? */
-static inline int smg_begun_by_increments(const smg_state *s) {
-  return s->degree > SMG_NO_DEGREE && smg_meet_at_seam(&s->c);
-}
-
 /* What a saved state has; of the increments those of the first colour are 0, but for the newest ones where the tangent
- * map takes them, or the next step begins with them (smg_begin_first_colour). */
+ * map takes them. */
 static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c), to = 3 * smg_own_to(&s->c);
   smg_gather_saved(s, SMG_ROW_HISTORY, SMG_LATE_PITCH(&s->c));
@@ -243,9 +238,10 @@ static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
     smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c), INT64_MAX};
     smg_each_slot(&s->c, &late, smg_slot_to_site);
   }
-  if (!SMG_TANGENT && !smg_begun_by_increments(s)) return;
+#if SMG_TANGENT
   smg_carried early = {s->row_u, past, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
   smg_each_slot(&s->c, &early, smg_slot_to_site);
+#endif
 }
 
 static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real *past) {
@@ -258,9 +254,10 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
     smg_each_slot(&s->c, &late, smg_site_to_slot);
   }
   smg_move_saved(s, SMG_TO_BLOCKS);
-  if (!SMG_TANGENT && !smg_begun_by_increments(s)) return;
+#if SMG_TANGENT
   smg_carried early = {past, s->row_u, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
   smg_each_slot(&s->c, &early, smg_site_to_slot);
+#endif
 }
 
 #endif
