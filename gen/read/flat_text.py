@@ -30,6 +30,7 @@ class Writer:
         for run in spec.runs:
             path = ("runs", run.name)
             self.texts[(*path, "output", "what")] = listed(run.what)
+            self.texts[(*path, "averages", "what")] = listed(run.averages.what if run.averages else ())
             if run.effects is not None:
                 self.texts[(*path, "effects")] = self.texts[(*path, "without")] = listed(run.effects)
 
@@ -41,8 +42,8 @@ class Writer:
         return ["\n".join([f"[{node.name}.{key(child.name)}]", *map(self.line, self.inside(child))]) for child in entries]
 
     def inside(self, node: Node) -> list[Node]:
-        """The entries of a table: not `without` beside `effects`, no start of a family that is gone."""
-        return [child for child in node.items() if not (child.name == "without" and node.has("effects")) and not (
+        """The entries of a table: not `without` beside `effects`, no start of a family that is gone, no list of what is all gone."""
+        return [child for child in node.items() if not (child.name == "without" and node.has("effects")) and self.texts.get(child.path) != "[]" and not (
             node.path[0] == "starts" and isinstance(child.raw, dict) and child.name not in self.called["space"])]
 
     def line(self, node: Node) -> str:

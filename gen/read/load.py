@@ -14,7 +14,7 @@ from ..language.spec import Spec
 from ..public import public
 from ..language import codes
 from . import checks
-from .called import called_for, with_parameters
+from .called import called_for, refuse_gone, with_parameters
 from .files import Files
 from .flat_text import flat_text
 from .formulas import Formulas
@@ -119,10 +119,17 @@ class Reader:
         self.respelt = self.unknown_sections()
         spec = filled(self.sections())
         if not self.problems.found:
-            spec = called_for(spec) if self.scene.left_out else spec
+            spec = self.called_for(spec) if self.scene.left_out else spec
             spec = with_parameters(spec, self.scene.inherited("parameters"))
         self.check(spec)                # with errors: what was read without one
         self.problems.finish()
+        return spec
+
+    def called_for(self, spec: Spec) -> Spec:
+        """A result may hold a scene that names outputs which it leaves out: earlier versions took it."""
+        spec, gone = called_for(spec, self.scene.left_out)
+        if not self.problems.recorded:
+            refuse_gone(self.root, gone)
         return spec
 
     def unknown_sections(self) -> dict[str, Node]:

@@ -31,6 +31,9 @@ time = 1
 ON = '[scene]\nbase = "film.toml"\n'
 PIECE = '[piece]\ntitle = "P"\n[piece.arguments]\nK = {}\n[effect]\nover = "site(i) of w"\nenergy = "%s"\n'
 HOT = '[effects.bath]\nuse = "spins/bath"\nalpha = 0.1\nkT = %s\n'
+TWO = '[scene]\nbase = "two.toml"\nwithout = ["other"]\n'
+WITH_V = {"two": FILM.replace('"n*n" }\n', '"n*n" }\nv = { sphere = 1 }\n').replace("n, periodic)", "n, periodic) on w").replace(
+    "[starts", '[effects.other]\nover = "site(i) of v"\nenergy = "v[i].x"\n[observables.turn]\nvalue = "v[0].y"\n[starts', 1).replace("[runs", '[starts.tilted.v]\nrandom = 1\n[runs', 1)}
 CASES = {       # name: (the scene, other files, file and line of the error, of the cause, of the hint)
     "a circle of bases": ('[scene]\nbase = "b.toml"\n', {"b": '[scene]\nbase = "a.toml"\n'}, "b.toml", 2, "builds on this file", "bases must not refer to each other in a circle"),
     "a base outside its folder": ('[scene]\nbase = "../film.toml"\n', {}, "a.toml", 2, "is outside the folder of the spec", "--library"),
@@ -43,6 +46,12 @@ CASES = {       # name: (the scene, other files, file and line of the error, of 
     "no effect at all": (ON + "effects = []\n", {}, "a.toml", 3, "selects no effect", "at least one energy"),
     "a run that calls for what the scene leaves out": (ON + 'without = ["field"]\n[runs.x]\nlike = "demo"\neffects = ["exchange", "field"]\n', {},
                                                       "a.toml", 6, "the scene leaves out `field`", "add it to [scene]"),
+    "an output that goes with its family": (TWO + '[runs.demo]\noutput = { what = ["energy", "turn"] }\n', WITH_V,
+                                            "a.toml", 5, "there is no `turn`: the scene has no effect that moves or names `v`", "remove it from this list"),
+    "an average that goes with its family": (TWO + '[runs.x]\nlike = "demo"\naverages = { what = ["turn"] }\n', WITH_V, "a.toml", 6, "there is no `turn`", "remove it from this list"),
+    "an average of a family that is gone": (TWO + '[runs.x]\nlike = "demo"\naverages = { what = ["momentum.v.x"] }\n', WITH_V, "a.toml", 6, "that moves or names `v`", "add the effect"),
+    "an average of an effect that the scene leaves out": (ON + 'without = ["field"]\n[runs.x]\nlike = "demo"\naverages = { what = ["energy.field"] }\n', {},
+                                                         "a.toml", 6, "there is no `energy.field`: the scene leaves out the effect `field`", "add the effect to [scene]"),
     "a run like none": (ON + '[runs.x]\nlike = "dmeo"\n', {}, "a.toml", 4, "there is no run `dmeo`", "did you mean `demo`?"),
     "a piece beside the spec that is misspelt": (ON + '[effects.easy]\nuse = "sott"\n', {"sot": ""}, "a.toml", 4, "there is no piece `sott`", "did you mean `sot`?"),
     "a piece that is misspelt": (ON + '[effects.easy]\nuse = "spins/uniaxal"\nK = 1\n', {}, "a.toml", 4, "there is no piece `spins/uniaxal`", "`spins/uniaxial`"),

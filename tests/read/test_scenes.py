@@ -243,6 +243,29 @@ def test_a_run_of_the_base_does_not_set_parameters_that_are_gone(written):
     assert load(path).runs[0].parameters == (("J", 2.0),)
 
 
+V = '[space]\nv = { sphere = 1 }\n[effects.other]\nover = "site(i) of v"\nenergy = "v[i].x"\n[observables.turn]\nvalue = "v[0].y"\n[starts.tilted.v]\nrandom = 1\n' \
+    '[effects.exchange]\nover = "bond(i, j) of square(nx, ny, periodic) on w"\n'
+
+
+@pytest.mark.parametrize("keys, what, means", [
+    ('output = { what = ["turn", "energy"] }\n', ("energy",), None), ('output = { what = ["turn"] }\n', ("states", "energy"), None),
+    ('output = { what = ["turn"] }\naverages = { what = ["turn"] }\n', (), ()),
+    ('averages = { what = ["turn", "energy.field", "momentum.v.x", "energy.other", "energy"] }\n', ("states", "energy"), ("energy.field", "energy"))])
+def test_a_run_of_the_base_does_without_outputs_and_averages_that_are_gone(written, keys, what, means):
+    """Also in its flat text."""
+    path = written(film=FILM, two=on_film(V + f'[runs.more]\nlike = "demo"\n{keys}'), bare='[scene]\nbase = "two.toml"\nwithout = ["other"]\n')
+    for spec in (load(path), load(written(flat=smidgen.flat(path)))):
+        run = spec.runs[1]
+        assert run.what == what and (run.averages and run.averages.what) == means
+        smidgen.run(spec, "more", steps=2, every=1)
+
+
+def test_a_result_of_a_scene_that_names_what_it_leaves_out_is_read(written):
+    """As written by earlier versions."""
+    path = written(film=FILM, two=on_film(V), bare='[scene]\nbase = "two.toml"\nwithout = ["other"]\n[runs.demo]\noutput = { what = ["turn", "energy"] }\n')
+    assert load(path, recorded=True).runs[0].what == ("energy",)
+
+
 def test_a_run_of_the_base_has_what_the_scene_adds(written):
     new = '[effects.more]\nover = "site(i) of w"\nenergy = "w[i].y"\n[effects.anisotropy]\nenergy = "-2*K*w[i].z^2"\n'
     path = written(film=FILM + 'effects = ["exchange"]\n', hot=on_film(new), top='[scene]\nbase = "hot.toml"\n[runs.own]\nlike = "demo"\neffects = ["field"]\n')
