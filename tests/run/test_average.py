@@ -167,6 +167,40 @@ def test_a_killed_run_goes_on_to_the_byte(tmp_path, monkeypatch, members, after_
     assert not (tmp_path / "killed.json.part").exists()
 
 
+DAMAGES = {     # name: what the file of a stopped run becomes
+    "empty": lambda data: b"", "cut": lambda data: data[:len(data) // 2], "cut in its state": lambda data: data[:data.index(b'"state"') + 40],
+    "without its last byte": lambda data: data[:-1], "garbage": lambda data: bytes(range(256)), "another object": lambda data: b"[1, 2]", "deep": lambda data: b"[" * 100_000,
+    "a shorter state": lambda data: changed(data, lambda found: found.update(state=found["state"][:-8])),
+    "no state": lambda data: changed(data, lambda found: found.pop("state")),
+    "statistics of fewer numbers": lambda data: changed(data, lambda found: found["statistics"].update(rest=[[0.5]])),
+    "statistics that are none": lambda data: changed(data, lambda found: found.update(statistics=[])),
+    "a member that is not there": lambda data: changed(data, lambda found: found.update(done=7)),
+    "a digit": lambda data: changed(data, lambda found: found["statistics"]["members"].__setitem__(0, 3))}
+
+
+def changed(data, change) -> bytes:
+    found = json.loads(data)
+    change(found)
+    return json.dumps(found).encode()
+
+
+@quick
+def test_a_damaged_file_of_a_stopped_run_is_refused_and_kept(tmp_path, monkeypatch):
+    spec, choices, part = smidgen.load_text(SPIN), dict(after=2, members=2, seed=4, time=60, out=tmp_path / "a.json"), tmp_path / "a.json.part"
+    monkeypatch.setattr(module, "BETWEEN", 0.0)
+    with monkeypatch.context() as m:
+        m.setattr(module.Job, "finish", lambda self: None)
+        smidgen.average(spec, **choices)
+    data = part.read_bytes()
+    for name, damage in DAMAGES.items():
+        part.write_bytes(damage(data))
+        with pytest.raises(UsageError, match="a.json.part does not come from an interrupted run, or it is damaged"):
+            smidgen.average(spec, **choices)
+        assert part.read_bytes() == damage(data) and not (tmp_path / "a.json").exists(), name
+    part.write_bytes(data)
+    assert smidgen.average(spec, **choices) == smidgen.average(spec, **{**choices, "out": None})
+
+
 @quick
 @pytest.mark.parametrize("given, said", [
     (dict(what=["my"]), "no quantity 'my'.*mz"), (dict(after=400), "no sample after t = 400"), (dict(after=-1), "no sample"), (dict(members=0), "at least one member"),

@@ -9,6 +9,7 @@ Memory does not grow with members or steps. While it runs, what is known lies in
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import math
 import os
@@ -172,23 +173,30 @@ class Job:
         self.saved = clock.monotonic()
         if self.out is not None:
             state = base64.b64encode(self.model.save().tobytes()).decode()
-            write(self.part(), json.dumps({"meta": self.meta, "done": self.done, "state": state, "statistics": self.statistics.facts()}))
+            facts = {"meta": self.meta, "done": self.done, "state": state, "statistics": self.statistics.facts()}
+            write(self.part(), json.dumps({**facts, "digest": digest(facts)}))
 
     def go_on(self) -> None:
-        """Be where the file of a stopped run is, if there is one. Raises UsageError for that of other choices."""
+        """Be where the file of a stopped run is, if there is one. Raises UsageError for one that is damaged, and for that of other choices."""
         if self.out is None or not self.part().is_file():
             return
-        try:
-            found = json.loads(self.part().read_text(encoding="utf-8"))
-            other = [key for key, value in self.meta.items() if json.loads(json.dumps(value)) != found["meta"].get(key)]
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            raise UsageError(f"{self.part()} does not come from an interrupted run: remove it") from None
-        if other:
+        found = self.stopped()
+        if other := [key for key, value in self.meta.items() if json.loads(json.dumps(value)) != found["meta"].get(key)]:
             raise UsageError(f"{self.part()} belongs to a run with different settings ({', '.join(other)}): remove it, or choose another file")
         self.done = found["done"]
         self.begin()
         self.model.restore(np.frombuffer(base64.b64decode(found["state"]), self.model.real))
         self.statistics.go_on(found["statistics"])
+
+    def stopped(self) -> dict:
+        """What the file of a stopped run holds: as it was written, to the byte."""
+        try:
+            found = json.loads(self.part().read_text(encoding="utf-8"))
+            if found.pop("digest") != digest(found):
+                raise ValueError
+            return found
+        except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+            raise UsageError(f"{self.part()} does not come from an interrupted run, or it is damaged: remove it, or choose another file") from None
 
     def finish(self) -> Averages:
         found = Averages({**self.meta, "samples": self.statistics.samples}, dict(zip(self.names, averages(self.statistics, self.settings.every * abs(self.settings.h)))))
@@ -205,6 +213,11 @@ def first_sample(after, settings) -> int:
     if after < 0 or first > settings.steps:
         raise UsageError(f"no sample after t = {after:g}: the run ends at {settings.steps * abs(settings.h):g}, and samples are {settings.every} steps apart")
     return first
+
+
+def digest(facts: dict) -> str:
+    """sha256 of them, as JSON has them."""
+    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()
 
 
 def write(path: Path, text: str) -> None:
@@ -225,5 +238,5 @@ def load_averages(path: str | os.PathLike) -> Averages:
         if meta.pop("format") != FORMAT:
             raise ValueError
         return Averages(meta, {name: Average(**one) for name, one in meta.pop("averages").items()})
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise UsageError(f"{path} contains no averages") from None
