@@ -1,13 +1,17 @@
-"""What all that is public shares: misspelt keywords, attributes that are only read, short reprs."""
+"""What all that is public shares: misspelt keywords, arguments of a wrong type, attributes that are only read, short reprs."""
 from __future__ import annotations
 
 import difflib
 import functools
 import html
 import inspect
+import numbers
+import os
+import re
+from collections.abc import Iterable, Mapping
 from typing import Callable, TypeVar
 
-from .errors import KeywordError, ReadOnlyError
+from .errors import KeywordError, ReadOnlyError, UsageError
 from .renamed import ATTRIBUTES, KEYWORDS, now
 
 F = TypeVar("F", bound=Callable)
@@ -16,16 +20,77 @@ WORDS = 2000    # bytes of text that a notebook shows of one object
 
 
 def public(function: F) -> F:
-    """`function`, which answers a keyword that it has not with the present word for it, or with the nearest that it has."""
-    known = [name for name, p in inspect.signature(function).parameters.items() if p.kind != p.VAR_KEYWORD]
+    """`function`, which answers a keyword that it has not with the present word for it, or with the nearest that it has, and an argument
+    of a wrong type with what is accepted."""
+    known = {name: words(name, p.annotation) for name, p in inspect.signature(function).parameters.items() if p.kind != p.VAR_KEYWORD}
 
     @functools.wraps(function)
     def called(*args, **given):
         for word in given:
             if word not in known:
                 raise KeywordError(f"{function.__qualname__}() has no keyword '{word}'{guess(word, known, KEYWORDS)}")
-        return function(*args, **given)
+        least = min(len(args), len(known))
+        return function(*map(taken, known, args, known.values()), *args[least:], **{name: taken(name, value, known[name]) for name, value in given.items()})
     return called
+
+
+# Arguments: what they must be, by the words of their annotations
+
+def is_number(value) -> bool:
+    """Whether it is finite, real or an integer is asked by who takes it."""
+    return hasattr(value, "__float__") and getattr(value, "ndim", 0) == 0
+
+
+def is_flag(value) -> bool:
+    return isinstance(value, numbers.Real) and value in (0, 1) or type(value).__name__ in ("bool", "bool_")      # those of numpy
+
+
+def are_names(value) -> bool:
+    return isinstance(value, tuple) and all(isinstance(name, str) for name in value)
+
+
+def are_paths(value) -> bool:
+    return isinstance(value, tuple) and all(isinstance(name, (str, os.PathLike)) for name in value)
+
+
+def is_dictionary(value) -> bool:
+    return isinstance(value, Mapping) and all(isinstance(name, str) for name in value)
+
+
+ACCEPTED = {        # word of an annotation: what it accepts, and how that is seen
+    "None": (("None",), lambda value: value is None), "str": (("a string",), lambda value: isinstance(value, str)), "int": (("an integer",), is_number),
+    "float": (("a number",), is_number), "bool": (("True", "False"), is_flag), "os.PathLike": (("a path",), lambda value: isinstance(value, os.PathLike)),
+    "dict": (("a dictionary",), is_dictionary),
+    "Iterable[str]": (("a list of names",), are_names), "Iterable[str | os.PathLike]": (("a list of folders",), are_paths), "Mapping": (("a dictionary",), is_dictionary), "Callable": (("a function",), callable)}
+CLASSES = {"Grid": "a Grid, as smidgen.lattice.of returns it", "Integrator": "an Integrator, as smidgen.build returns it", "Result": "a Result", "Spec": "a Spec"}
+RUN = "run"         # given by position most often: its own message knows what else may have been meant (find_run)
+
+
+def words(name: str, annotation) -> tuple[str, ...]:
+    """Of the annotation of an argument, such as "Iterable[str] | None"; () where the function itself looks at it."""
+    found = re.split(r" \| (?![^\[]*\])", annotation) if isinstance(annotation, str) and name != RUN else ()
+    found = tuple(word if word in ACCEPTED or word in CLASSES else word.partition("[")[0] for word in found)
+    return found if all(word in ACCEPTED or word in CLASSES for word in found) else ()
+
+
+def is_a(value, word: str) -> bool:
+    return any(kind.__name__ == word for kind in type(value).__mro__) if word in CLASSES else ACCEPTED[word][1](value)
+
+
+def taken(name: str, value, accepted: tuple[str, ...]):
+    """The value of an argument, with names as a tuple. Raises UsageError that says what is accepted."""
+    found = names_in(value) if any(word.startswith("Iterable") for word in accepted) else value
+    if accepted and not any(is_a(found, word) for word in accepted):
+        *some, last = (said for word in accepted for said in (ACCEPTED[word][0] if word in ACCEPTED else (CLASSES[word],)))
+        raise UsageError(f"{name} must be {', '.join(some)}{' or ' * bool(some)}{last}, not {value!r:.100}")
+    return found
+
+
+def names_in(value):
+    """Names in a list as a tuple; one name may stand alone. What is no list stays."""
+    if isinstance(value, (str, os.PathLike)):
+        return (value,)
+    return tuple(value) if isinstance(value, Iterable) and getattr(value, "ndim", 1) > 0 else value
 
 
 def by_its_end(word: str, names) -> str | None:

@@ -21,6 +21,7 @@ from ..chance import generator
 from ..errors import UsageError
 from ..public import few, public
 from ..run.settings import whole
+from ..run.step.integrator import Integrator
 from ..run.step.noise import noisy
 
 OFFSET = 1e-8       # separation of nearby trajectories: about the root of the round-off
@@ -59,7 +60,7 @@ class Exponents(NamedTuple):
 
 
 @public
-def exponents(model, w, h: float, steps: int, columns: int | None = None, every: int = 1, t0: float = 0.0,
+def exponents(model: Integrator, w, h: float, steps: int, columns: int | None = None, every: int = 1, t0: float = 0.0,
               seed: int = 0) -> Exponents:
     """The largest Lyapunov exponents of an orbit, by the tangent map.
 
@@ -114,7 +115,7 @@ def on_leaves(model, v) -> np.ndarray:
 
 
 @public
-def nearby(model, w, h: float, steps: int, every: int, t0: float = 0.0, offset: float = OFFSET,
+def nearby(model: Integrator, w, h: float, steps: int, every: int, t0: float = 0.0, offset: float = OFFSET,
            seed: int = 0) -> Exponents:
     """The largest Lyapunov exponent of an orbit, from the separation of two trajectories, without the tangent map.
 
@@ -143,6 +144,7 @@ def _on_spheres(w, radius):
 
 
 def _blocks(steps: int, every: int) -> int:
+    steps, every = whole(steps, "steps"), whole(every, "every")
     if every < 1 or steps < every:
         raise UsageError(f"every must be from 1 to the number of steps, {steps}; not {every}")
     return steps // every

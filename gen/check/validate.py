@@ -22,7 +22,7 @@ from ..language.spec import Spec
 from ..language.units import TIME
 from ..public import html_of, public
 from ..read.shipped import SpecLike, spec_or_name
-from ..run.settings import Settings, model_of, settle
+from ..run.settings import Settings, model_of, settle, whole
 from ..run.step.evaluated import casimir_matrices
 from ..run.step.prepared import scene_of
 from ..run.step.start import given_or_at
@@ -131,7 +131,7 @@ def validate(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :returns: a Report; `report.check()` raises ValidationError if a comparison failed. A step that fails is a failed comparison.
     :raises UsageError: for an argument that does not fit.
     """
-    steps = STEPS if steps is None else steps
+    steps, points = STEPS if steps is None else whole(steps, "steps"), whole(points, "points")
     if steps < 1 or points < 1:
         raise UsageError("validation needs at least one step and one random state")
     case = Case(settle(spec, run, steps=steps, every=1, start=start, method=method, solver=solver, h=h,

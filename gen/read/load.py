@@ -4,6 +4,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import os
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Optional
 
@@ -79,7 +80,7 @@ def decoded(data: bytes, name: str) -> str:
 
 
 @public
-def load_text(text: str, path: str = "", library=()) -> Spec:
+def load_text(text: str, path: str = "", library: Iterable[str | os.PathLike] = ()) -> Spec:
     """Read a spec from a string.
 
     :param path: the name to use in messages; files named in the spec are looked for in its folder.

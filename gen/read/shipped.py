@@ -4,7 +4,7 @@ from __future__ import annotations
 import difflib
 import functools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Protocol, TypeVar, Union, runtime_checkable
 
@@ -39,7 +39,7 @@ def find_spec(word: str) -> Path:
 
 
 @public
-def load(spec: str | os.PathLike, library=()) -> Spec:
+def load(spec: str | os.PathLike, library: Iterable[str | os.PathLike] = ()) -> Spec:
     """Read a spec.
 
     :param spec: the path of a TOML file, or the name of a spec that comes with smidgen.
@@ -51,7 +51,7 @@ def load(spec: str | os.PathLike, library=()) -> Spec:
 
 
 @public
-def flat(spec: str | os.PathLike, library=()) -> str:
+def flat(spec: str | os.PathLike, library: Iterable[str | os.PathLike] = ()) -> str:
     """The text of a scene as a single spec, with everything it takes from its bases and pieces and a comment on where each value comes
     from.
 

@@ -28,7 +28,7 @@ from ..step.prepared import Prepared, checked_tolerance
 from ..step.real import real_array
 from ..step.start import find_start, state_at, wrong_start
 from ..step.status import NO_MEMORY, STATUS, Status
-from ..settings import settle, whole
+from ..settings import number, settle, whole
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
 MEMORY = 2 ** 31            # bytes of outputs
@@ -100,7 +100,7 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     w = _states(prepared, s.start if given is None else given, own, members, seed)
     built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
     rows = _rows(s.steps, None if every is None else s.every)
-    stepped = Stepped(prepared, built, own, w, float(t0), s.h, checked_tolerance(s.tolerance), _threads(threads), noise)
+    stepped = Stepped(prepared, built, own, w, number(float(t0), {}, "t0"), s.h, checked_tolerance(s.tolerance), _threads(threads), noise)
     try:
         return stepped.outputs(rows, _chosen(what or (), len(rows), w.nbytes))
     finally:
@@ -275,7 +275,6 @@ def _rows(steps: int, every: int | None) -> list:
 
 def _chosen(what, rows: int, size: int) -> tuple:
     """Names of outputs, checked; what they take must fit into MEMORY."""
-    what = (what,) if isinstance(what, str) else tuple(what)
     for name in what:
         if name not in OUTPUTS:
             raise UsageError(f"an ensemble has no output '{name}'; there are: {', '.join(OUTPUTS)}")

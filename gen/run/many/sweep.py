@@ -24,9 +24,11 @@ from ...read.shipped import SpecLike, spec_or_name
 from . import cluster as workers
 from .. import interrupts
 from .cluster import check, executor, lost
+from ..fields.field import Field
 from ..files.durable import write_new
 from ..run import Interrupted, run
 from ..settings import model_of, settle, whole
+from ..step.real import real_array
 from ..step.start import state_at
 
 MANIFEST, CELLS, FORMAT = "manifest.json", "cells.jsonl", 1
@@ -90,7 +92,7 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
     When interrupted, cells that are being computed are completed; a second interrupt ends their processes. Completed cells are kept in any
     case.
     """
-    what, effects = (None if names is None else tuple(names) for names in (what, effects))      # each cell reads them again
+    start = start if start is None or isinstance(start, (str, Field)) else real_array(start, float, "a state")
     given = dict(start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, what=what, effects=effects,
                  parameters=dict(parameters or {}), real=real, native=native, substeps=substeps, estimate=estimate, tolerance=tolerance, fast=fast,
                  threads=threads)

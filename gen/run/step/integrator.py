@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import numbers
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -151,10 +152,10 @@ class Integrator(ReadOnly):
         """
         if h is None or not math.isfinite(h) or h == 0:
             raise UsageError(f"h must be a finite number other than 0, not {h}")
-        noise = noise_of(self.scene, h, seed, member)
+        noise, w, tolerance = noise_of(self.scene, h, seed, member), self._array(w, seed), checked_tolerance(tolerance)
         self.close()
-        self._now(w=self._array(w, seed), h=float(h), t0=float(t0), count=0)
-        self._new(checked_tolerance(tolerance))
+        self._now(w=w, h=float(h), t0=float(t0), count=0)
+        self._new(tolerance)
         if noise:
             self._c.set_seed(self._state, *noise)
         return self
@@ -247,7 +248,7 @@ class Integrator(ReadOnly):
     def state(self, out=None) -> np.ndarray:
         """A copy of the state, or the state written into `out`, an array of shape (sites, 3)."""
         self._taken()
-        out = np.empty((self.sites, 3), self.real) if out is None else out
+        out = self._room(out, self.sites, 3)
         self._c.state(self._state, out.ctypes.data)
         return out
 
@@ -273,7 +274,7 @@ class Integrator(ReadOnly):
         :raises RunError: if the numbers were not saved by this model; the state is then unchanged.
         """
         self._started()
-        saved = np.ascontiguousarray(saved, self.real)
+        saved = real_array(saved, self.real, "a saved state")
         size = self._c.savesize(self._state)
         status = self._c.restore(self._state, saved.ctypes.data) if saved.shape == (size,) else Status.BAD_PARAMETER
         if status:
@@ -287,17 +288,18 @@ class Integrator(ReadOnly):
     def values(self, out=None) -> np.ndarray:
         """All conserved quantities and observables, in the order of `columns`."""
         self._taken()
-        out = np.empty(len(self.columns), self.real) if out is None else out
+        out = self._room(out, len(self.columns))
         self._c.values(self._state, np.ones(len(self.columns), np.uint8).ctypes.data, out.ctypes.data)
         return out
 
     def casimirs(self, out=None) -> np.ndarray:
         """|w|^2 of each site, or C(w) of a Nambu factor; shape (sites,)."""
         self._taken()
-        out = np.empty(self.sites, self.real) if out is None else out
+        out = self._room(out, self.sites)
         self._c.casimirs(self._state, out.ctypes.data)
         return out
 
+    @public
     def energy(self, w=None, t: float | None = None) -> float:
         """H(t, w), by default at the current time and state. Requires a trajectory."""
         self._started()
@@ -306,6 +308,7 @@ class Integrator(ReadOnly):
         self._c.energy(self._state, self.t if t is None else t, w.ctypes.data, out.ctypes.data)
         return out[0]
 
+    @public
     def field(self, w=None, t: float | None = None) -> np.ndarray:
         """The field b = (1/kappa) dH/dw, shape (sites, 3), by default at the current time and state. Requires a trajectory."""
         self._started()
@@ -411,6 +414,14 @@ class Integrator(ReadOnly):
                              f"not {np.shape(w)}")
         return array if array.flags.writeable else array.copy()
 
+    def _room(self, out, *shape: int) -> np.ndarray:
+        """A new array, or `out`, if C can write to it. Raises UsageError."""
+        if out is None:
+            return np.empty(shape, self.real)
+        if not (isinstance(out, np.ndarray) and out.shape == shape and out.dtype == self.real and out.flags.c_contiguous and out.flags.writeable):
+            raise UsageError(f"out must be a contiguous array of shape {shape} and type {self.real} that can be written to")
+        return out
+
     def _new(self, tolerance: float):
         scalars, _, pointers = self._passed
         status = ctypes.c_int(0)
@@ -449,6 +460,8 @@ class Integrator(ReadOnly):
 
 def check_count(count: int) -> None:
     """Raises UsageError for a number of steps that C does not take."""
+    if not isinstance(count, numbers.Integral):
+        raise UsageError(f"the number of steps must be an integer, not {count!r}")
     if count < 0:
         raise UsageError("the number of steps must not be negative; to run backward, use a negative h")
     if count > limits.STEPS:

@@ -67,7 +67,7 @@ def asked(spec: Spec, run: str | None, method: str | None = None, solver: str | 
           parameters: Mapping[str, object] | None = None) -> Run:
     """The run of that name (None: the first), with what is given in place of what it says."""
     base = find_run(spec, run)
-    return dataclasses.replace(base, method=method or base.method, solver=solver or base.solver,
+    return dataclasses.replace(base, method=base.method if method is None else method, solver=base.solver if solver is None else solver,
                                effects=base.effects if effects is None else tuple(effects),
                                parameters=tuple({**dict(base.parameters), **scaled(spec, parameters or {})}.items()))
 

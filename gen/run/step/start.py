@@ -12,6 +12,7 @@ from ...language.evaluate import integer
 from ...language.spec import FamilyStart, Lattice, Spec, Start, families_of
 from .evaluated import Evaluated, per_site, radius
 from .noise import SEEDS
+from .real import real_array
 
 
 def find_start(spec: Spec, start: str | Start | None) -> Start:
@@ -56,7 +57,11 @@ def state_at(numbers: Evaluated, start: str | Start | None = None, seed: int | N
 
 def given_or_at(numbers: Evaluated, start, seed: int | None = None) -> np.ndarray:
     """A state that is given as an array, with absent sites where all states have them; else as `state_at`."""
-    return put_away(numbers, np.array(start, dtype=float)) if isinstance(start, np.ndarray) else state_at(numbers, start, seed)
+    if not isinstance(start, np.ndarray):
+        return state_at(numbers, start, seed)
+    if start.shape != (len(numbers.present), 3):
+        raise UsageError(f"a state of {numbers.spec.name} has shape ({len(numbers.present)}, 3), not {start.shape}")
+    return put_away(numbers, real_array(start, float, "a state").copy())
 
 
 def part_of_state(numbers: Evaluated, start: str | Start | None, seed: int | None, first: int, count: int) -> np.ndarray:

@@ -104,7 +104,7 @@ def result_of(source, run: str | None):
     given = hasattr(source, "values") and hasattr(source, "t")
     if given or not hasattr(source, "families") and Path(source).suffix in RESULTS:
         if run is not None:
-            hint = f": to name the picture, use --out {run}" if Path(run).suffix else f": to choose the kind of picture, use --kind {run}, or kind='{run}'" if run in kinds() else ""
+            hint = "" if not isinstance(run, str) else f": to name the picture, use --out {run}" if Path(run).suffix else f": to choose the kind of picture, use --kind {run}, or kind='{run}'" if run in kinds() else ""
             raise UsageError(f"a result contains a single run; '{run}' cannot select another{hint}")
         return with_facts(source if given else load_result(source))
     from ...run.run import run as run_spec
