@@ -424,9 +424,9 @@ SMG_INLINE void smg_only_sites(const smg_run *run, int64_t p, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_select(sites, g[k], smg_lane_of(0));
 }
 
-/* How many rows lie between the first and the last of a plane, where these meet across a seam. */
+/* How many rows lie between the first and the last of a plane, where these are two and meet across a seam. */
 static inline int64_t smg_rows_between(const smg_coefficients *c) {
-  return smg_meet_along(c, 1) ? smg_place_in_plane(c, smg_cells(c, 1) - 1) : SMG_PIECE;
+  return smg_meet_along(c, 1) && smg_cells(c, 1) > 1 ? smg_place_in_plane(c, smg_cells(c, 1) - 1) : SMG_PIECE;
 }
 
 /* Slots of a piece, so that the next one begins where a vector does: as many whole rows as fit, or SMG_PIECE. Where the

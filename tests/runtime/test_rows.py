@@ -66,6 +66,11 @@ size = ["n", 3, 4, 2]
 boundary = ["periodic", "open", "periodic", "open"]
 bonds.near = [{ from = 0, to = 0, offset = [1, 0, 0, 0] }, { from = 0, to = 0, offset = [0, 0, 1, 0] }, { from = 0, to = 0, offset = [0, 0, 0, 1] }]
 """
+LINES = """[lattices.lines]
+size = ["n", 1, 3]
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 0, offset = [1, 0, 0] }, { from = 0, to = 0, offset = [0, 0, 1] }]
+"""
 
 
 COMB = """[lattices.teeth]
@@ -99,6 +104,7 @@ SPECS = {
     "five colours": lattice("five", "five.all", 15, "7*n", EXCHANGE.replace("0.7", "0.3"), FIVE),
     "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
     "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n"),
+    "rows around themselves": lattice("lines", "lines.all", 9, "3*n", lattice=LINES),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", more=", radius = 1.7, kappa = -0.6"),
 }
 
