@@ -26,4 +26,12 @@ static inline smg_real smg_leaf_value(const smg_state *s, int64_t k) {
 #endif
 }
 
+/* How much smaller than others the site k is. */
+SMG_INLINE smg_real smg_site_up(const smg_state *s, int64_t k) {
+#if SMG_OWN_RADIUS
+  if (smg_kind(&s->c, k) == SMG_SPHERE && smg_radius(&s->c, k) < s->scale) return s->scale / smg_radius(&s->c, k);
+#endif
+  return smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
+}
+
 #endif

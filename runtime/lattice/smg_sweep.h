@@ -45,15 +45,14 @@ static inline void smg_relax(void *context, smg_lattice_site at) {
   smg_sweeping *sweep = (smg_sweeping *)context;
   smg_state *s = sweep->s;
   const int64_t k = at.k;
+  const smg_real up = smg_site_up(s, k);
   smg_real g[3] = {0, 0, 0}, next[3], *m = s->m + 3 * k;
   smg_gather(&s->c, at, s->m, m, g);
   if (!smg_relaxed(s, sweep->h, k, g, next)) { /* as the others stand: no step yet, and not settled */
-    sweep->change.absolute =
-        smg_max(sweep->change.absolute, smg_kind(&s->c, k) == SMG_R3 ? s->scale : smg_leaf_value(s, k));
+    sweep->change.absolute = smg_max(sweep->change.absolute, up * smg_leaf_value(s, k));
     sweep->change.relative = smg_max(sweep->change.relative, 1);
     return;
   }
-  const smg_real up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
   for (int b = 0; b < 3; ++b) smg_change_add(&sweep->change, next[b] - m[b], SMG_MATH(fabs)(next[b]), up);
   smg_copy(m, next, 3);
 }
@@ -80,22 +79,22 @@ static inline void smg_end_site(void *context, smg_lattice_site at) {
   const smg_state *s = end->s;
   const smg_coefficients *c = &s->c;
   const int64_t k = at.k;
-  const smg_real *m = s->m + 3 * k, *w = s->w + 3 * k, leaf = smg_leaf_value(s, k);
+  const smg_real *m = s->m + 3 * k, *w = s->w + 3 * k, leaf = smg_leaf_value(s, k), up = smg_site_up(s, k);
   smg_real g[3] = {0, 0, 0}, u[3], again[3], room[3];
   smg_gather(c, at, s->m, m, g);
   smg_increment(c, k, end->h, m, g, u);
-  const smg_real rounding_scale = smg_product_scale(c, k, end->h, m, g);
+  const smg_real rounding_scale = up * smg_product_scale(c, k, end->h, m, g);
   smg_take(&end->rounding_scale, rounding_scale);
   if (smg_kind(c, k) != SMG_NAMBU) {
     if (rounding_scale > s->scale) {
       smg_copy(again, u, 3);
       smg_reflect(w, m, u);
-      smg_take(&end->residual, smg_apart_by(u, again));
+      smg_take(&end->residual, up * smg_apart_by(u, again));
     }
     if (3 * rounding_scale > s->scale) smg_stretch(w, s->compensation + 3 * k, leaf, smg_respond(c, k, m, g, room), u);
   }
   const smg_real stretch = smg_halfway(s, k, u, again);
-  smg_take(&end->residual, smg_apart_by(again, m));
+  smg_take(&end->residual, up * smg_apart_by(again, m));
   smg_copy(s->u + 3 * k, u, 3);
 #if SMG_CONSTANT_HESSIAN
   smg_take(&end->row, stretch * smg_abs(0.5 * smg_h_over_kappa(c, k, end->h)) *

@@ -27,14 +27,6 @@ static inline void smg_increment(const smg_coefficients *c, int64_t k, smg_real 
   smg_scale(u, smg_h_over_kappa(c, k, h), 3);
 }
 
-/* How much smaller than others the site k is. */
-SMG_INLINE smg_real smg_site_up(const smg_state *s, int64_t k) {
-#if SMG_OWN_RADIUS
-  if (smg_kind(&s->c, k) == SMG_SPHERE && smg_radius(&s->c, k) < s->scale) return s->scale / smg_radius(&s->c, k);
-#endif
-  return smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, s->w + 3 * k) : 1;
-}
-
 /* r = w + u/2 - mbar, the residual of the step equation at site k, and how large it and the products are that u is made
  * of. */
 SMG_INLINE void smg_residual(const smg_state *s, int64_t k, const smg_real *mbar, const smg_real *u, smg_real products,

@@ -88,7 +88,7 @@ static inline void smg_lift_site(const smg_state *s, const smg_gauss_work *a, in
   own[SMG_OWN_HALF] = 0.5 * smg_h_over_kappa(&s->c, k, smg_signed_h(s->h));
   own[SMG_OWN_SIZE] = SMG_MATH(sqrt)(norm);
   own[SMG_OWN_INVERSE] = norm > 0 ? 1 / norm : 0;
-  own[SMG_OWN_UP] = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  own[SMG_OWN_UP] = smg_site_up(s, k);
 }
 
 static void smg_lift_sites(const smg_state *s) {

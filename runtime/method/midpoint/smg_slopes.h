@@ -57,13 +57,13 @@ SMG_INLINE smg_real smg_sum_of_sizes(const smg_real *a, int count) {
 static inline void smg_renew_slopes(smg_state *s, int64_t k, const smg_real *next, smg_real weight, smg_real factors,
                                     smg_moved *moved) {
   smg_real *a = s->slopes + SMG_SLOPES * k, change[SMG_SLOPES];
-  const smg_real *w = s->w + 3 * k, up = smg_kind(&s->c, k) == SMG_R3 ? smg_up(s->scale, w) : 1;
+  const smg_real up = smg_site_up(s, k);
   smg_waxpy(change, -1, a, next, SMG_SLOPES);
   smg_copy(a, next, SMG_SLOPES);
   const smg_real by = smg_sum_of_sizes(change, SMG_SLOPES), absolute = 2 * up * weight * by;
   moved->relative = smg_max(moved->relative, by / (smg_sum_of_sizes(next, SMG_SLOPES) + SMG_LEAST));
   moved->absolute = smg_max(moved->absolute, absolute);
-  moved->rounding_scale = smg_max(moved->rounding_scale, 2 * up * smg_norm(w) * factors);
+  moved->rounding_scale = smg_max(moved->rounding_scale, 2 * up * smg_norm(s->w + 3 * k) * factors);
   s->u[3 * k] = absolute;
 }
 
