@@ -47,10 +47,17 @@ static inline void smg_assembled(const smg_state *s) {
     smg_diagonal_sums(SMG_BS, s->A + SMG_BB * i, s->sums + SMG_BS * i, s->mean + SMG_BS * i);
 }
 
-/* z = D^-1 x with the diagonal block D of each site, or x where it has no inverse. */
+/* x = U x, the rows of small sites as if they were as large as others: GMRES solves systems to a part of all of x, and
+ * would leave those of spheres 1e-9 times as large as others to round-off of these. */
+static inline void smg_enlarge(const smg_state *s, smg_real *x) {
+  for (int64_t i = 0; i < smg_coupled(&s->c); ++i)
+    smg_scale(x + SMG_BS * i, smg_site_up(s, smg_site(&s->c, i)), SMG_BS);
+}
+
+/* z = D^-1 U^-1 x with the diagonal block D of each site, or U^-1 x where it has no inverse. */
 static void smg_undo_all(const smg_state *s, const smg_real *x, smg_real *z) {
   for (int64_t i = 0; i < smg_coupled(&s->c); ++i) {
-    smg_copy(z + SMG_BS * i, x + SMG_BS * i, SMG_BS);
+    smg_multiple(z + SMG_BS * i, 1 / smg_site_up(s, smg_site(&s->c, i)), x + SMG_BS * i, SMG_BS);
     (void)smg_block_solve(s->A + SMG_BB * i, z + SMG_BS * i);
   }
 }
@@ -79,11 +86,12 @@ static void smg_apply(const smg_state *s, int transposed, const smg_real *z, smg
   }
 }
 
-/* y = J D^-1 x. */
+/* y = U J D^-1 U^-1 x. */
 static void smg_times(void *of, const smg_real *x, smg_real *y) {
   const smg_state *s = (const smg_state *)of;
   smg_undo_all(s, x, s->product);
   smg_apply(s, 0, s->product, y);
+  smg_enlarge(s, y);
 }
 
 /* y = J x. */
@@ -109,6 +117,7 @@ static int64_t smg_worst_row(const smg_state *s) {
 /* s->x = J^-1 s->x by GMRES; 0, or 1 + a row where that may have failed. */
 static int64_t smg_solve_free(const smg_state *s, smg_real tolerance, smg_real products) {
   const smg_krylov a = {(void *)(uintptr_t)s, smg_times, smg_order(s), s->work};
+  smg_enlarge(s, s->x);
   if (smg_krylov_solve(&a, s->x, tolerance, smg_min(SMG_KRYLOV_PRODUCTS, products))) return 1 + smg_worst_row(s);
   smg_undo_all(s, s->x, s->x);
   return 0;
