@@ -86,7 +86,7 @@ static int smg_shown_by_rows(const smg_state *s, smg_beyond *a) {
 /* They belong to sites again. */
 SMG_INLINE void smg_increment_of_slot(void *context, int64_t site, int64_t slot) {
   const smg_state *s = (const smg_state *)context;
-  const int64_t first = smg_colour_slots(&s->c);
+  const int64_t first = SMG_KEPT_FROM(&s->c);
   for (int64_t k = 0; k < 3; ++k)
     s->u[3 * site + k] = slot < first ? s->row_u[k * SMG_FIRST_PITCH(&s->c) + slot]
                                       : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first];

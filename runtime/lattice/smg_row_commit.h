@@ -8,8 +8,8 @@
 #include "smg_row_state.h"
 #include "smg_row_team.h"
 
-/* What that works with: the spins from, and where they go; increments u of the first colour, and those of all others,
- * from the slot `first` on, of the last steps, newest first; so many of them extrapolate, with these weights. */
+/* What that works with: the spins from, and where they go; increments u of the slots before `first`, and those of all
+ * others of the last steps, newest first; so many of them extrapolate, with these weights. */
 typedef struct smg_row_going {
   const smg_real *from, *lost_from;
   smg_real *w, *lost, *m;
@@ -21,7 +21,7 @@ typedef struct smg_row_going {
 } smg_row_going;
 
 static inline smg_row_going smg_going_of(const smg_state *s, int degree) {
-  const int64_t first = smg_colour_slots(&s->c);
+  const int64_t first = SMG_KEPT_FROM(&s->c);
   smg_row_going go = {SMG_ROW_FROM(s, row_w),
                       SMG_ROW_FROM(s, row_compensation),
                       s->row_w,
@@ -62,11 +62,11 @@ static void smg_predict_share(const smg_row_going go, smg_share part) {
   }
 }
 
-/* Those of all colours but the first. */
+/* Those of all slots whose increments are kept. */
 static void smg_predict_rows(const smg_state *s) {
   const smg_row_going go = smg_going_of(s, s->degree);
   SMG_TEAM(s->row_team) {
-    SMG_COLOURS_AT_ONCE(colour, n, 1)
+    SMG_COLOURS_AT_ONCE(colour, n, SMG_FIRST_KEPT(&s->c))
     SMG_STRIPS(&s->c, k) smg_predict_share(go, smg_strip_of_thread(&s->c, colour, n, k));
   }
 }
@@ -94,8 +94,8 @@ SMG_INLINE void smg_fetch_slots(const smg_row_going go, int64_t slot, int terms)
   }
 }
 
-/* The same of some slots; the increments of the next step are extrapolated, of all colours but the first, from so many
- * as the compiler knows, or from none. */
+/* The same of some slots; the increments of the next step are extrapolated where they are kept, from so many as the
+ * compiler knows, or from none. */
 SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int terms) {
   for (int64_t slot = part.from; slot < part.to; slot += SMG_LANES) {
     smg_lanes u[3], w[3];
@@ -127,11 +127,11 @@ SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part) {
 }
 #endif
 
-/* Sites of the first colour need a beginning, w, where they feel their own midpoints (SMG_OWN_FIELD), or each other
- * across the seam of a ring that is no multiple of the colours. */
+/* Sites of the first colour need a beginning where they feel their own midpoints (SMG_OWN_FIELD): w, if none is
+ * extrapolated. */
 static void smg_begin_first_colour(const smg_state *s, smg_share part) {
   const int64_t pitch = smg_pitch(&s->c);
-  for (int k = 0; !s->row_alone && k < 3; ++k)
+  for (int k = 0; SMG_OWN_FIELD && SMG_FIRST_KEPT(&s->c) > 0 && k < 3; ++k)
     smg_copy(s->row_m + k * pitch + part.from, s->row_w + k * pitch + part.from, part.to - part.from);
 }
 

@@ -66,8 +66,9 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
 
 /* Where the increments of a colour are. */
 SMG_INLINE void smg_increments_into(const smg_state *s, int64_t colour, smg_turning *turn) {
-  turn->u = colour > 0 ? s->row_late - smg_colour_slots(&s->c) : s->row_u;
-  turn->u_pitch = colour > 0 ? SMG_LATE_PITCH(&s->c) : SMG_FIRST_PITCH(&s->c);
+  const int kept = colour >= SMG_FIRST_KEPT(&s->c);
+  turn->u = kept ? s->row_late - SMG_KEPT_FROM(&s->c) : s->row_u;
+  turn->u_pitch = kept ? SMG_LATE_PITCH(&s->c) : SMG_FIRST_PITCH(&s->c);
 }
 
 /* u = h X(m) of the slots of one vector, `in` of them sites, whose gradient is g; the largest square of the residual w

@@ -36,8 +36,8 @@
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
  * the digits of double. */
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
-/* increments kept, of all colours but the first: with them a spin has at most 160 bytes; of compositions those of all
- * stages that their predictor looks back on, with spare arrays for a step that fails */
+/* increments kept: with them a spin has at most 160 bytes, 216 where all colours keep them; of compositions those of
+ * all stages that their predictor looks back on, with spare arrays for a step that fails */
 #if SMG_COMPOSED
 #define SMG_ROW_HISTORY SMG_HISTORY
 #define SMG_ROW_SPARE (SMG_COMPOSED < SMG_HISTORY ? SMG_COMPOSED : SMG_HISTORY)
@@ -48,9 +48,13 @@
 #define SMG_ROW_SPARE 0
 #define SMG_ROW_HELD(size) 0
 #endif
-/* of arrays of the first colour, and of all others */
-#define SMG_FIRST_PITCH(c) (smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
-#define SMG_LATE_PITCH(c) ((SMG_COLOURS - 1) * smg_colour_slots(c) + SMG_BEFORE + SMG_AFTER)
+/* Increments are kept of all colours but the first, whose midpoints follow from the others; where its sites meet across
+ * a seam, of that one too. The first colour and slot that they are kept of, and the pitches of the arrays of slots
+ * before it and from it on. */
+#define SMG_FIRST_KEPT(c) (smg_meet_at_seam(c) ? 0 : 1)
+#define SMG_KEPT_FROM(c) (SMG_FIRST_KEPT(c) * smg_colour_slots(c))
+#define SMG_FIRST_PITCH(c) (SMG_KEPT_FROM(c) + SMG_BEFORE + SMG_AFTER)
+#define SMG_LATE_PITCH(c) (smg_slots(c) - SMG_KEPT_FROM(c) + SMG_BEFORE + SMG_AFTER)
 
 /* What is known of the passes of each stage; the array that a stage adds the increments before it to: in the second
  * one of a step to that of its start, which is kept. */
@@ -172,9 +176,10 @@ static void smg_move_saved(const smg_state *s, enum smg_carried_where where) {
 static void smg_clear_rows(const smg_state *s) {
   smg_forget_rows(s);
   smg_clear_slots(&s->c, s->row_w, smg_pitch(&s->c), 0, SMG_COLOURS);
-  smg_clear_slots(&s->c, s->row_u, SMG_FIRST_PITCH(&s->c), 0, 1);
-  smg_clear_slots(&s->c, s->row_late, SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
-  for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_clear_slots(&s->c, s->past[j], SMG_LATE_PITCH(&s->c), 1, SMG_COLOURS);
+  const int64_t kept = SMG_FIRST_KEPT(&s->c), late = SMG_LATE_PITCH(&s->c);
+  smg_clear_slots(&s->c, s->row_u, SMG_FIRST_PITCH(&s->c), 0, kept);
+  smg_clear_slots(&s->c, s->row_late, late, kept, SMG_COLOURS);
+  for (int j = 0; j < SMG_ROW_HISTORY; ++j) smg_clear_slots(&s->c, s->past[j], late, kept, SMG_COLOURS);
 }
 #endif
 
@@ -219,7 +224,7 @@ static inline void smg_make_tables(smg_state *s) {
 #if SMG_TANGENT
 /* The increments of the step just taken, of all slots. */
 static void smg_newest_increments(const smg_state *s, smg_real *u) {
-  const int64_t first = smg_colour_slots(&s->c), pitch = smg_pitch(&s->c);
+  const int64_t first = SMG_KEPT_FROM(&s->c), pitch = smg_pitch(&s->c);
   for (int k = 0; k < 3; ++k) {
     smg_copy(u + k * pitch, s->row_u + k * SMG_FIRST_PITCH(&s->c), first);
     smg_copy(u + k * pitch + first, s->past[0] + k * SMG_LATE_PITCH(&s->c), smg_slots(&s->c) - first);
@@ -235,11 +240,11 @@ static void smg_save_rows(const smg_state *s, smg_real *lost, smg_real *past) {
   smg_to_sites(s, s->row_compensation, lost);
   for (int j = 0; j < SMG_HISTORY; ++j) smg_zero(past + j * n3 + from, to - from);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
-    smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c), INT64_MAX};
+    smg_carried late = {s->past[j], past + j * n3, SMG_LATE_PITCH(&s->c), SMG_KEPT_FROM(&s->c), INT64_MAX};
     smg_each_slot(&s->c, &late, smg_slot_to_site);
   }
 #if SMG_TANGENT
-  smg_carried early = {s->row_u, past, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
+  smg_carried early = {s->row_u, past, SMG_FIRST_PITCH(&s->c), 0, SMG_KEPT_FROM(&s->c)};
   smg_each_slot(&s->c, &early, smg_slot_to_site);
 #endif
 }
@@ -249,13 +254,13 @@ static void smg_restore_rows(smg_state *s, const smg_real *lost, const smg_real 
   if (s->degree >= s->history) s->degree = s->history - 1;
   smg_to_slots(s, lost, s->row_compensation);
   for (int j = 0; j < SMG_ROW_HISTORY; ++j) {
-    smg_carried late = {past + 3 * smg_sites(&s->c) * j, s->past[j], SMG_LATE_PITCH(&s->c), smg_colour_slots(&s->c),
+    smg_carried late = {past + 3 * smg_sites(&s->c) * j, s->past[j], SMG_LATE_PITCH(&s->c), SMG_KEPT_FROM(&s->c),
                         INT64_MAX};
     smg_each_slot(&s->c, &late, smg_site_to_slot);
   }
   smg_move_saved(s, SMG_TO_BLOCKS);
 #if SMG_TANGENT
-  smg_carried early = {past, s->row_u, SMG_FIRST_PITCH(&s->c), 0, smg_colour_slots(&s->c)};
+  smg_carried early = {past, s->row_u, SMG_FIRST_PITCH(&s->c), 0, SMG_KEPT_FROM(&s->c)};
   smg_each_slot(&s->c, &early, smg_site_to_slot);
 #endif
 }

@@ -51,8 +51,8 @@ static int64_t smg_slot_by_rows(const smg_coefficients *c, const smg_blocks *b, 
   return smg_slot_in_blocks(c, b, at.sub, cell);
 }
 
-/* What every degree would have missed in one slot, the k-th of all colours but the first, of the step just solved: of
- * each component its increments, the newest and those before. */
+/* What every degree would have missed in one slot, the k-th whose increments are kept, of the step just solved: of each
+ * component its increments, the newest and those before. */
 static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
   const int n = s->history + 1;
   smg_real all[3 * (SMG_HISTORY + 1)];
@@ -73,7 +73,7 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
 
 /* Which degree would have served best? A sample decides, now and then: of the same sites wherever they stand. */
 static void smg_choose_row_degree(smg_state *s) {
-  const int64_t first = smg_colour_slots(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
+  const int64_t first = SMG_KEPT_FROM(&s->c), size = smg_slots(&s->c) - first, stride = 1 + size / SMG_SAMPLE;
 #if SMG_COMPOSED
   smg_real *miss = s->misses;
   if (s->history < SMG_HISTORY) {

@@ -152,17 +152,16 @@ SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece,
 }
 
 /* Once more the last sites of those rows of a run that meet the first ones across a seam, in the field of what these
- * are by now. Before the first pass such sites are not extrapolated as well as others: of a ring the first ones follow
- * then, and the last ones. */
+ * are by now; not in the last passes, which move those by round-off. */
 SMG_INLINE void smg_turn_ends(const smg_coefficients *c, const smg_turning turn, smg_run run, smg_piece *piece,
                               enum smg_row_way way, int watched, int small, smg_row_motion *moved) {
   const int64_t from = run.start + run.from, to = run.start + run.to, last = run.sites - 1;
   for (; run.start + last < to; run.start += run.length)
-    for (int k = run.start + last < from ? 0 : way != SMG_FROM_BEFORE && smg_rows(c) == 1 ? 3 : 1; k > 0; --k) {
-      run.from = k % 2 > 0 ? last : 0;
-      run.to = run.from + 1;
+    if (run.start + last >= from) {
+      run.from = last;
+      run.to = last + 1;
       smg_aim_run(c, turn, &run, 0, way, small, 0, piece, 0);
-      smg_turn_aimed(turn, piece, 0, run.start + run.from, 1, watched, small, 0, moved);
+      smg_turn_aimed(turn, piece, 0, run.start + last, 1, watched, small, 0, moved);
     }
 }
 
@@ -179,7 +178,7 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   }
   if (watched) smg_turn_vectors(turn, piece, 1, small, last, &most);
   else smg_turn_vectors(turn, piece, 0, 0, 0, &most);
-  if (smg_meet_along(c, 0)) {
+  if (smg_meet_along(c, 0) && (!small || way == SMG_BY_ROOT)) {
     piece->at = at;
     piece->from = from;
     piece->done = 0;

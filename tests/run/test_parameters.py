@@ -175,6 +175,15 @@ def test_what_is_refused_changes_nothing():
 
 
 @pytest.mark.quick
+def test_one_site_at_least_is_there():
+    spec = smidgen.load_text(RING.format(name="emptied", n=4) + '[effects.holes]\nover = "site(i) of w"\nabsent = "i < a"\n')
+    one, other = (smidgen.build(spec).start(h=0.1).steps(3) for _ in range(2))
+    with pytest.raises(RunError, match="parameter"):
+        one.set_parameters({"a": 4.0})
+    assert bits(one.steps(3).save()) == bits(other.steps(3).save())
+
+
+@pytest.mark.quick
 def test_where_the_new_leaf_cannot_be():
     """C(w) = 0 of a Nambu factor: the step says so, and the state waits for other parameters."""
     spec = smidgen.load_text('[model]\nname = "cone"\n[space]\nw = { nambu = 1, C = "(w.x^2 + w.y^2 + c*w.z^2)/2" }\n[parameters]\nc = 1.0\n'

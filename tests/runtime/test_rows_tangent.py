@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 import smidgen
 from smidgen.compile.emit.emit import generate
+from smidgen.errors import RunError
 from smidgen.methods import METHODS
 from smidgen.resources import runtime_header
 from support.by_sites import by_sites
@@ -137,6 +138,16 @@ def test_vectors_may_have_any_size():
     for scale in (1e-290, 1e290):
         assert np.abs(model.tangent(v * scale) / scale - model.tangent(v.copy())).max() <= 1e-14
     assert not model.tangent(0 * v).any()
+
+
+def test_a_vector_that_is_not_finite_ends_the_map():
+    spec, _ = case("plain")
+    model = smidgen.build(spec, features=TANGENT).start("random", h=0.07).step()
+    v, w = vectors(model), model.w.copy()
+    v[0, 5, 1] = np.inf
+    with pytest.raises(RunError, match="finite"):
+        model.tangent(v)
+    assert np.array_equal(model.w, w) and np.isfinite(model.tangent(vectors(model))).all()
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name == "held" else pytest.mark.long) for name in ("held", "quartic", "classical", "composed")])
