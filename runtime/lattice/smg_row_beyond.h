@@ -74,9 +74,8 @@ static int smg_show_rows(smg_state *s, smg_beyond *a) {
   return smg_row_solved(s, SMG_MATH(sqrt)(most));
 }
 
-/* Are they on the branch? By the bound that is known beforehand, or by that at the solution. */
+/* Are they on the branch? By the bound at the solution. */
 static int smg_shown_by_rows(const smg_state *s, smg_beyond *a) {
-  if (s->row_bound <= SMG_ROW_BOUND) return 1;
   if (a->grew) return 0;
   smg_real *slopes = smg_row_slopes(s);
   return a->slope * smg_at_all_sites(&s->c, SMG_HESSIAN_EVER) <= SMG_ROW_SHOWN ||
