@@ -207,6 +207,8 @@ def interval(every, period, h: float) -> int:
     """Steps between outputs, from a count or from the time between them."""
     if period is not None:
         every = multiple(period, h, "the period")
+        if every == 0:
+            raise UsageError(f"the period must be a multiple of h = {abs(h):.15g} and not 0")
     every = whole(every, "every")
     if not 1 <= every <= limits.EVERY:
         raise UsageError(f"every must be from 1 to {limits.EVERY} steps, not {every}")

@@ -209,7 +209,7 @@ def test_the_edge_of_a_multiple(relative, good):
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),
     ({"steps": 2.5}, "integer"), ({"seed": -1}, "seed"), ({"every": "2"}, "every"),
     ({"h": "q"}, "h:1:1"), ({"h": "w"}, "h:1:1"), ({"h": "1/0"}, "finite|zero"), ({"h": [1]}, "number"),
-    ({"time": 1e300}, "more than"), ({"period": 0.0}, "every must be")])
+    ({"time": 1e300}, "more than"), ({"period": 0.0}, "the period must be a multiple of h .* and not 0"), ({"period": "0*pi"}, "the period must be")])
 def test_wrong_settings(toy, given, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.run(toy, given.pop("name", "demo"), **given)
