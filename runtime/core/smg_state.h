@@ -235,14 +235,15 @@ static inline int smg_may_begin(smg_state *s) {
 static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0,
                                   double h) {
   smg_blank(s, model, t0, h);
-  s->report.status = model->status;
-  if (s->report.status == SMG_OK) s->report.status = smg_check_times(t0, h);
+  s->report.status = model->status == SMG_OK ? smg_check_times(t0, h) : model->status;
   if (s->report.status != SMG_OK) return s->report.status;
   smg_choose_own(&s->c);
-  if (!mem || !smg_may_begin(s) || !smg_may_cut(&s->c)) return s->report.status = SMG_BAD_PARAMETER;
+  s->report.status = smg_status_of_ranks(
+      model->version && mem && smg_may_begin(s) && smg_may_cut(&s->c) ? SMG_OK : SMG_BAD_PARAMETER, &s->report.site);
+  if (s->report.status != SMG_OK) return s->report.status;
   smg_begin_arrays(s, (smg_real *)mem, 0);
-  s->report.status = smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site);
-  s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);
+  s->report.status =
+      smg_status_of_ranks(smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site), &s->report.site);
   if (s->report.status == SMG_OK) smg_put_state(s, w);
   else --s->version; /* a step looks at w first, as where parameters are others */
   return s->report.status;

@@ -131,13 +131,14 @@ static void smg_mpi_gather(const smg_coefficients *c, smg_real *array, int64_t p
 }
 #endif
 
-/* Who shares the steps of this lattice? */
+/* Who shares the steps of this lattice? A state that was never begun has none, and its calls are of this rank alone. */
 static void smg_choose_ranks(const smg_coefficients *c) {
   int ready = 0, ended = 0;
   MPI_Initialized(&ready);
   MPI_Finalized(&ended);
   smg_mpi_me = 0;
-  smg_mpi_size = 1;
+  smg_mpi_size = smg_mpi_parts = 1;
+  if (!c->model) return;
   if (ready && !ended) {
     MPI_Comm_rank(SMG_MPI_COMM, &smg_mpi_me);
     MPI_Comm_size(SMG_MPI_COMM, &smg_mpi_size);

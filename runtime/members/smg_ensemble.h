@@ -44,15 +44,16 @@ static int64_t smg_ensemble_failed(const smg_ensemble *e, int64_t first, int64_t
 }
 
 /* Every member at its start: w holds 3*sites numbers of each, one after the other, as many as the first has. Returns
- * how many cannot begin: SMG_BAD_PARAMETER also for another number of sites. */
+ * how many cannot begin: SMG_BAD_PARAMETER also for another number of sites. Without memory none can, and there are no
+ * members. */
 static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_model *model, int own, int64_t members, void *mem,
                                   const smg_real *w, double t0, double h) {
   const int64_t sites = smg_sites_of(model);
   char *at = (char *)mem + smg_whole_lines((size_t)members * sizeof(smg_state));
   e->member = (smg_state *)mem;
-  e->members = members;
+  e->members = mem ? members : 0;
   e->own = own;
-  for (int64_t k = 0; k < members; ++k) {
+  for (int64_t k = 0; k < e->members; ++k) {
     const smg_model *its = smg_model_of(model, own, k);
     if (smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
     else smg_blank(e->member + k, its, t0, h); /* with SMG_BAD_PARAMETER */
@@ -61,7 +62,7 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_model *model, int o
 #endif
     at += smg_member_memory(its);
   }
-  return smg_ensemble_failed(e, 0, members);
+  return mem ? smg_ensemble_failed(e, 0, members) : members;
 }
 
 /* count steps of the members first .. first + members - 1, where none failed before. Returns how many of them have
