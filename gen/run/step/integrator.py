@@ -23,7 +23,7 @@ from ...language.spec import Spec
 from ...methods import METHODS
 from ...public import ReadOnly, few, public
 from ...read.shipped import SpecLike, spec_or_name
-from .block import Block
+from .block import Block, clean
 from .grid import check_grid, grid_flags
 from .library import functions, loaded, loaded_with_threads, packed, passed
 from .noise import noise_of
@@ -266,7 +266,7 @@ class Integrator(ReadOnly):
         self._taken()
         out = np.empty(self._c.savesize(self._state), self.real)
         self._c.save(self._state, out.ctypes.data)
-        return out
+        return clean(out)
 
     def restore(self, saved: np.ndarray) -> Integrator:
         """Return to the point at which `save` was called; the trajectory must have been started with the same parameter values.
