@@ -16,8 +16,8 @@ from ..methods import METHODS, others
 from ..errors import UsageError
 from ..language import limits
 from ..language.evaluate import evaluate
-from ..language.expr import Elem, Idx, Num, Par, Spin, walk, with_index
-from ..language.held import absent
+from ..language.expr import Elem, Idx, Num, Op, Par, Spin, walk, with_index
+from ..language.held import absent, still
 from ..language.spec import Family, Graph, Lattice, Run, Spec, Term, families_of
 from ..language import codes
 from .bond_numbers import factor, number_of_bonds, one_for_each_bond
@@ -126,9 +126,10 @@ def formula_fits(spec: Spec, e, path: tuple, key: str, formula, values: dict) ->
 
 
 def negative(spec: Spec, e, path: tuple, key: str, formula, values: dict) -> Iterator[Trouble]:
-    """The first site where a formula of the sites of a family is negative or no number."""
-    family = next(f for f in spec.families if f.name == e.over.family)
-    bad = first_bad(with_index(formula, e.over.index, Idx("i")), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
+    """The first site that moves where a formula of the sites of a family is negative or no number."""
+    family, condition = next(f for f in spec.families if f.name == e.over.family), still(spec, e.over.family)
+    formula = with_index(formula, e.over.index, Idx("i"))
+    bad = first_bad(formula if condition is None else Op("if", (condition, Num(0), formula)), family, values, lambda a: ~(np.isfinite(a) & (a >= 0)))
     if bad:
         yield Trouble(path + (key,), codes.VALUE, f"the {key} of `{family.name}[{bad[0]}]` is {bad[1]:g}", e.not_negative[key])
 

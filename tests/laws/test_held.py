@@ -1,6 +1,7 @@
 """Sites that do not move (`pinned`, `fixed`) and sites that are not there (`absent`): in every method that takes them, against the witness and against specs that never had
 the sites."""
 import ctypes
+import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -364,3 +365,19 @@ def test_a_torque_that_is_infinite_at_an_absent_site_is_none(along):
     assert np.array_equal(one, other)
     start = smidgen.build(infinite).start("random", h=0.05).w.copy()
     assert np.abs(Witness(infinite).steps(start, 0.0, 0.05, 3)[-1] - one).max() < 1e-14
+
+
+@pytest.mark.parametrize("held", ["absent", pytest.param("pinned", marks=pytest.mark.long)])
+@pytest.mark.parametrize("form, damping, kT", [("gilbert", "0.2/abs(i - 3)", "0.1/abs(i - 3)"), ("ll", "0.2 - 0.9*if(i == 3, 1, 0)", "0.1 - 0.9*if(i == 3, 1, 0)")])
+def test_damping_and_temperature_of_a_site_that_does_not_move_are_never_asked(held, form, damping, kT):
+    """As of torques: as ones that are 0 there, and as the witness has it."""
+    def loaded(alpha, T):
+        drag = f'[effects.push]\nover = "site(i) of w"\ndamping = "{alpha}"\nkT = "{T}"\nform = "{form}"\n'
+        return smidgen.load_text(re.sub(r"(?s)\[effects\.push\].*?(?=\[starts)", drag, INFINITE.format(factor=0, along=0)).replace("absent =", f"{held} ="))
+    odd, none = loaded(damping, kT), loaded(*(f"if(i == 3, 0, {e.replace('abs(i - 3)', '(abs(i - 3) + if(i == 3, 1, 0))')})" for e in (damping, kT)))
+    one, other = (smidgen.build(spec).start("random", h=0.05, seed=4).steps(3).w for spec in (odd, none))
+    assert np.abs(one - other).max() < 1e-15
+    report = smidgen.validate(odd, start="random", h=0.05, steps=3)
+    assert report.passed, report.text()
+    with pytest.raises(smidgen.SpecError, match=r"the damping of `w\[4\]` is -"):
+        loaded(damping.replace("i == 3", "i == 4").replace("0.2/abs(i - 3)", "0.2*(3.5 - i)"), kT)

@@ -247,7 +247,7 @@ class Witness:
             alpha[here] = evaluate(d.alpha, {**self.values, d.over.index: np.arange(count)})
             share[here] = 1 / (1 + alpha[here]**2) if d.form == "gilbert" else 1
             lag[here] = d.form == "gilbert"
-        share[self.still] = 0
+        alpha[self.still] = share[self.still] = 0
         return alpha, share, lag
 
     def _held(self, held):
@@ -271,7 +271,7 @@ class Witness:
             first, count = self.families[d.over.family]
             here, radius = slice(first, first + count), self.numbers.radii[first:first + count]
             kT = evaluate(d.kT, {**self.values, d.over.index: np.arange(count)})
-            found[here] = share[here] * alpha[here] * kT / (np.abs(self.kappa[here]) * np.where(np.isnan(radius), 1, radius))
+            found[here] = share[here] * alpha[here] * np.where(self.still[here], 0, kT) / (np.abs(self.kappa[here]) * np.where(np.isnan(radius), 1, radius))
         return found
 
     def _sum(self, one, w, t):

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ...effects.held import fixed
-from ...effects.motion import Response, times
+from ...effects.motion import Response, times, where
 from ...errors import UsageError
 from ...language.expr import Num
 from ...language.spec import Spec
@@ -23,7 +23,7 @@ def fields_of(spec: Spec, contributions, method: Method) -> tuple:
 def diffusions_of(contributions) -> dict:
     """Family -> its D, of those with noise."""
     moves = shares_of(contributions)
-    return {family: times(moves.get(family, Num(1)), c.diffusion) for c in contributions if c.diffusion is not None for family, _ in c.slots}
+    return {family: where(moves.get(family, Num(1)), c.diffusion) for c in contributions if c.diffusion is not None for family, _ in c.slots}
 
 
 def shares_of(contributions) -> dict:
