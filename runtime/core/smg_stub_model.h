@@ -128,7 +128,7 @@ typedef struct smg_state {
   int32_t *row_beside;
   void *row_kinds, *row_known;
   smg_real row_bound, *row_w, *row_compensation, *row_m, *row_u, *row_late, *row_beyond, *row_w_before;
-  smg_real *row_compensation_before;
+  smg_real *row_compensation_before, *row_u_before;
   smg_real *w, *compensation, *u, *m, *mbar, *g, *r, *s, *G, *S, *x, *A, *work, *curve, *sums, *mean, *v, *hessian_v;
   smg_real *product, *few, *misses, *prepared, *before, *increments, *leaf_value, *points, *slopes, *inverse, *stages;
   smg_real *tableau, *row_spins, *turns, *past_slopes, *low, *wide_m, *wide_g, *wide_v, *wide_d, *wide_e, *wide_s,

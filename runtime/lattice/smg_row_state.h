@@ -150,6 +150,9 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     smg_real *under = smg_line_from(mem), *next = smg_place_row_arrays(s, mem, size);
     s->row_m = smg_place_slots(&under, size); /* found anew in each call */
     s->row_u = smg_place_slots(&next, first);
+#if SMG_TANGENT
+    s->row_u_before = smg_place_slots(&next, first);
+#endif
     s->row_late = smg_place_slots(&next, late);
     for (int j = 0; j < SMG_ROW_HISTORY; ++j) s->past[j] = smg_place_slots(&next, late);
 #if SMG_COMPOSED
@@ -162,7 +165,8 @@ static inline size_t smg_row_layout(smg_state *s, smg_real *mem) {
     s->misses = next;
 #endif
   }
-  const size_t used = SMG_WIDEST + 3 * size + first + (SMG_ROW_HISTORY + SMG_ROW_SPARE + 1) * late + SMG_ROW_HELD(size);
+  const size_t used = SMG_WIDEST + 3 * size + (1 + SMG_TANGENT) * first + (SMG_ROW_HISTORY + SMG_ROW_SPARE + 1) * late +
+                      SMG_ROW_HELD(size);
   return used + smg_place_tables(s, mem ? mem + used : NULL);
 }
 

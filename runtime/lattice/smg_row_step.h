@@ -169,6 +169,15 @@ static smg_status smg_row_step(smg_state *s, struct smg_row_call *rows) {
 }
 #endif
 
+/* The increments of the first colour are kept during a step, and come back when it fails: the tangent map is that of the
+ * step before, and so is what a saved state has. */
+static inline void smg_hold_first(SMG_UNUSED const smg_state *s, SMG_UNUSED int back) {
+#if SMG_TANGENT
+  smg_real *from = back ? s->row_u_before : s->row_u, *to = back ? s->row_u : s->row_u_before;
+  smg_copy(to - SMG_BEFORE, from - SMG_BEFORE, 3 * SMG_FIRST_PITCH(&s->c));
+#endif
+}
+
 /* count steps, or fewer: the first that fails is the last, or the one before the first that does not go by rows. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
@@ -182,8 +191,10 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_exchange_late();
   for (; count > 0 && status == SMG_OK && smg_next_by_rows(s); --count) {
     struct smg_row_call rows = {&known, count > 1, s->row_from};
+    smg_hold_first(s, 0);
     status = smg_row_step(s, &rows);
     if (status == SMG_OK) s->row_from = rows.from;
+    else smg_hold_first(s, 1);
   }
   if (s->row_due) smg_go_on_rows(s, 0); /* the next one goes from site to site */
   s->row_due = 0;

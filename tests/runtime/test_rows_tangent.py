@@ -8,7 +8,7 @@ from smidgen.methods import METHODS
 from smidgen.resources import runtime_header
 from support.by_sites import by_sites
 from support.strict import MODES, compile_all
-from test_rows import DM, EXCHANGE
+from test_rows import DM, EXCHANGE, lattice
 from test_rows_by_site import KINDS, drawn
 from test_rows_held import ABSENT, PINNED
 from test_rows_in_time import by_rows
@@ -106,6 +106,22 @@ def test_a_restored_state_has_the_map_of_its_last_step():
     saved = one.steps(4).save()
     assert np.array_equal(other.restore(saved).tangent(vectors(one)), one.tangent(vectors(one)))
     assert np.array_equal(other.steps(3).save(), one.steps(3).save())
+
+
+@pytest.mark.parametrize("method", ["spherical-midpoint", COMPOSED])
+def test_a_step_that_fails_leaves_the_map_of_the_one_before(method, monkeypatch):
+    """With eight passes of colours allowed, too few for a pulse: the increments of the first colour, which the map and a saved state have, are those of the last step."""
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_ROW_PASSES=8")
+    pulse = EXCHANGE.replace("-0.7*", "-(0.0001 + 2.5*exp(-((t - 0.55)/0.03)^2))*")
+    model = smidgen.build(lattice("late", "chain(n, periodic)", 16, "n", pulse), method=method, features=TANGENT).start("random", h=0.1).steps(5)
+    before, v = model.save(), vectors(model)
+    wanted = model.tangent(v.copy())
+    assert model.advance(1) == 0 and np.array_equal(model.save(), before)
+    if method == COMPOSED:
+        with pytest.raises(RunError):
+            model.tangent(v)
+    else:
+        assert np.array_equal(model.tangent(v), wanted)
 
 
 @pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param(COMPOSED, marks=pytest.mark.long)])

@@ -38,7 +38,7 @@ class ByRows(Part):
         values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(kinds_size(model) and not model.method.takes_fields)
         values += [("void *row_known", "what stands beside rows, during a call")] * model.method.by_field
         values += [(f"smg_real *row_increments[{model.composed}]", "increments of all stages of the last step by slots, for the tangent map")] * bool(model.composed and model.in_rows.changes)
-        return values + ([] if model.method.takes_fields else row_members(model.method.of_midpoints, model.composed))
+        return values + ([] if model.method.takes_fields else row_members(model.method.of_midpoints, model.composed, "tangent" in model.features))
 
     def buffers(self, model):
         """Where h is beyond the bound, midpoints are swept by slots too."""
@@ -102,8 +102,8 @@ def beyond(model, value) -> int:
     return slots.beyond() + slots.tables(site_values(model), besides(model), kinds_size(model))
 
 
-def row_members(swept: bool, stages: int | None) -> list:
-    """swept: by sweeps, of midpoints; stages: of their composition."""
+def row_members(swept: bool, stages: int | None, tangent: bool) -> list:
+    """swept: by sweeps, of midpoints; stages: of their composition; tangent: with the tangent map."""
     each = f"[{stages}]" if stages and swept else ""
     of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
                  ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
@@ -114,6 +114,7 @@ def row_members(swept: bool, stages: int | None) -> list:
                  ("smg_real row_bound", "bound on the factor by which a sweep reduces errors, if below 1")]
     later = [("smg_real *row_u, *row_late", "increments of the current step, of the first colour and of the others")]
     later += [("smg_real *row_w_before, *row_compensation_before", "row_w and row_compensation before the step, for one that fails")] * bool(each)
+    later += [("smg_real *row_u_before", "row_u before the step, for one that fails")] * tangent
     return [("int rows, row_team", "1 if steps are taken by rows of the lattice, in lanes, using the arrays row_*, and number of threads that share them (OpenMP)"),
             *(of_sweeps if swept else []), ("int row_kept", "flag: w is in row_w, as the last call has left it"),
             ("int32_t *row_beside", "if the lattice is stored in blocks: the slots of the neighbours of each vector, otherwise NULL"),

@@ -28,7 +28,7 @@ class Slots:
     def arrays(self, of_midpoints: bool, stages: int | None = None, tangent: bool = False) -> int:
         """Those of smg_row_layout; stages: of a composition; tangent: with the tangent map."""
         history = COMPOSED + min(stages, COMPOSED) if stages else 5 if self.colours == 2 else 4
-        of_sweeps = 3 * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour) + (3 * (2 + stages * tangent) * self.pitch + MOST_LANES if stages else 0)
+        of_sweeps = 3 * (1 + tangent) * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour) + (3 * (2 + stages * tangent) * self.pitch + MOST_LANES if stages else 0)
         return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
 
     def beyond(self) -> int:
