@@ -169,8 +169,8 @@ static smg_status smg_row_step(smg_state *s, struct smg_row_call *rows) {
 }
 #endif
 
-/* The increments of the first colour are kept during a step, and come back when it fails: the tangent map is that of the
- * step before, and so is what a saved state has. */
+/* The increments of the first colour are kept during a step, and come back when it fails: the tangent map is then that
+ * of the step before, and so is what a saved state has. */
 static inline void smg_hold_first(SMG_UNUSED const smg_state *s, SMG_UNUSED int back) {
 #if SMG_TANGENT
   smg_real *from = back ? s->row_u_before : s->row_u, *to = back ? s->row_u : s->row_u_before;
