@@ -64,6 +64,32 @@ def test_the_map_is_the_derivative_of_the_step(name):
     assert there.sum() > 5 and np.abs(found - (ends[0] - ends[1]) / (2 * size))[there].max() <= 1e-8
 
 
+UNITS = """[model]
+name = "units"
+[space]
+w = { sphere = "n*8", radius = "r" }
+[parameters]
+n = { default = 16, fixed = true }
+r = 1.0
+[effects.exchange]
+over = "bond(i, j) of square(n, 8, periodic)"
+energy = "(-dot(w[i], w[j]) - 0.2*(w[i].x*w[j].y - w[i].y*w[j].x))/r"
+[effects.axis]
+over = "site(i) of w"
+energy = "0.3*w[i].z^2/r"
+[starts.random]
+random = 1
+"""
+
+
+@pytest.mark.parametrize("r", [2.0**-27, pytest.param(2.0**27, marks=pytest.mark.long)])
+def test_the_map_does_not_depend_on_the_unit_of_length(r):
+    """A power of two changes no bit of it: nothing in it is compared with an absolute number."""
+    spec = smidgen.load_text(UNITS)
+    assert by_rows(spec)
+    assert np.array_equal(*(mapped(smidgen.build(spec, features=TANGENT, parameters={"r": radius})) for radius in (1.0, r)))
+
+
 def test_steps_keep_their_bits():
     spec, _ = case("in time by site")
     assert np.array_equal(*(smidgen.build(spec, features=f).start("random", h=0.07).steps(9).w for f in ((), TANGENT)))
