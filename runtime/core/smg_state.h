@@ -195,6 +195,27 @@ static void smg_fill_site_numbers(smg_state *s) {
 }
 #endif
 
+#if SMG_THERMAL && SMG_ROWS_IN_TIME && !SMG_IN_PARTS
+/* A step with noise may change over to other arrays: w before its noise comes along. */
+static void smg_clear_arrays(smg_state *s, smg_real *mem, int64_t kept) {
+  const size_t numbers = (size_t)(3 * smg_sites(&s->c));
+  const smg_real *unturned = s->unturned;
+  const size_t used = smg_layout(s, mem);
+  if (unturned) memmove(s->unturned, unturned, numbers * sizeof *mem);
+  for (smg_real *p = mem + kept; p < mem + used; ++p)
+    if (p < s->unturned || p >= s->unturned + numbers) *p = 0;
+}
+#else
+static void smg_clear_arrays(smg_state *s, smg_real *mem, int64_t kept) {
+  const size_t used = smg_layout(s, mem);
+#if SMG_IN_PARTS
+  if (smg_is_divided()) smg_clear_rows(s);
+  else
+#endif
+    for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
+}
+#endif
+
 /* All that h and the parameters decide, and the arrays, empty but for tables and the first `kept` numbers; w comes
  * first. */
 static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
@@ -206,12 +227,7 @@ static void smg_begin_arrays(smg_state *s, smg_real *mem, int64_t kept) {
   smg_choose_rows(s);
   s->row_kept = 0;
 #endif
-  const size_t used = smg_layout(s, mem);
-#if SMG_IN_PARTS
-  if (smg_is_divided()) smg_clear_rows(s);
-  else
-#endif
-    for (size_t k = (size_t)kept; k < used; ++k) mem[k] = 0;
+  smg_clear_arrays(s, mem, kept);
 #if SMG_BY_ROWS
   smg_make_tables(s);
 #endif
