@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..errors import Exit
 from ..language import limits
-from .options import chosen, json_option, number, processor_options, run_option, spec_argument, whole
+from .options import chosen, json_option, number, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen sweep free_rigid_body --set I3=3:4:11 --out bodies
@@ -30,7 +30,7 @@ def add(commands):
     where.add_argument("--cluster", metavar="ADDRESS", help="compute on the workers of this Dask scheduler, such as tcp://host:8786")
     for name in ("method", "solver"):
         run_option(parser, name, choices=None)
-    for name in ("effects", "h"):
+    for name in ("effects", "start", "h"):
         run_option(parser, name)
     long = parser.add_mutually_exclusive_group()
     for name in ("steps", "time"):
@@ -86,7 +86,8 @@ def command(args):
     from ..read.shipped import load_spec
     from ..run.many.sweep import sweep
     given = chosen(args, CHOICES)
-    given |= {"parameters": {name: value for name, value, swept in args.axes if not swept}, "native": args.native}
+    given |= {"parameters": {name: value for name, value, swept in args.axes if not swept}, "native": args.native,
+              "start": None if args.start is None else start_of(args.start)}
     axes = {name: value for name, value, swept in args.axes if swept}
     ended, total = [], math.prod(map(len, axes.values()), start=args.starts or 1)
     try:

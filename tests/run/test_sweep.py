@@ -152,6 +152,21 @@ def test_random_starts_need_a_random_start(command, path):
     assert found.returncode == 2 and "nothing in start 'one' is random" in found.stderr
 
 
+def test_the_start_of_a_sweep_may_be_another_than_that_of_its_run(command, path, tmp_path):
+    """By its name or from a file, as of a run."""
+    (tmp_path / "w.csv").write_text("0.0,0.6,0.8\n")
+    for start, w in ((tmp_path / "w.csv", [0, 0.6, 0.8]), ("one", [0.6, 0, 0.8])):
+        folder = tmp_path / f"from {Path(start).stem}"
+        said = command("sweep", path, "demo", "--start", start, "--set", "a=0:1:2", "--out", folder, "--json")
+        assert said.returncode == 0, said.stderr
+        for cell in json.loads(said.stdout)["cells"]:
+            assert np.array_equal(smidgen.load_result(folder / cell["file"]).w["w"][0, 0], w)
+        assert command("sweep", path, "demo", "--start", start, "--set", "a=0:1:2", "--out", folder).returncode == 0        # there is nothing left to do
+    assert "no start 'nowhere'" in command("sweep", path, "--start", "nowhere", "--out", tmp_path / "other").stderr
+    with pytest.raises(smidgen.UsageError, match="nothing in start 'one' is random"):
+        sweep(smidgen.load(path), start="one", starts=2, out=tmp_path / "more")
+
+
 def test_a_seed_without_starts_is_that_of_all_cells(path):
     """Of a random start or of noise; no silent 0."""
     spec, folder = smidgen.load(path), path.parent / "cells"

@@ -107,6 +107,8 @@ def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, 
     cells, folder = cells_of(axes, None if starts is None else whole(starts, "starts"), seed), Path(folder).absolute()
     for values in ({name: values[k] for name, values in axes.items()} for k in (0, -1)):
         settled = settle(spec, run, **{**given, "parameters": {**given.get("parameters", {}), **values}})
+    if isinstance(given.get("start"), Field):
+        given = {**given, "start": settled.start}       # the vectors of a file, as the manifest has them
     if seed is not None:
         check_seed(settled.numbers, settled.start, seed)
     if cluster is not None:
