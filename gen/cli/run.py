@@ -235,7 +235,9 @@ def unit(meta, column: str) -> str:
 
 
 def mean_lines(meta):
-    """The averages of a run that takes some."""
+    """The averages of a run that takes some; that there are none, where it ended before the first sample."""
+    if meta["means"] == {}:
+        yield f"no averages: there is no output from t = {meta['averages']['after']:g}{unit(meta, 't')} on"
     for name, one in (meta["means"] or {}).items():
         error = "" if one["error"] is None else f" ± {one['error']:.2g}"
         correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}{unit(meta, 't')}"

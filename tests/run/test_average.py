@@ -232,6 +232,16 @@ def test_the_command(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["averages"]["mz"]["mean"] == smidgen.load_averages(tmp_path / "m.json")["mz"].mean
 
 
+@quick
+@pytest.mark.parametrize("time, said", [("1", True), ("20", False)])
+def test_a_run_that_ends_before_its_first_sample_says_so(tmp_path, capsys, time, said):
+    from smidgen.cli import main
+    (tmp_path / "spin.toml").write_text(SPIN + '[runs.late]\nstart = "up"\nh = 0.1\ntime = 20\naverages = { what = ["mz"], after = 10 }\n')
+    assert main(["run", str(tmp_path / "spin.toml"), "late", "--time", time, "--no-estimate"]) == 0
+    found = "".join(capsys.readouterr())
+    assert ("no averages: there is no output from t = 10 on" in found) is said and ("mean of mz from t = 10" in found) is not said
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("kT", [0.5, 0.2])
 def test_a_hundred_thousand_members_have_langevins_mean(tmp_path, kT):
