@@ -482,7 +482,7 @@ def reach_of(model, d: int) -> int:
 
 
 def slots_of(model, value) -> Slots:
-    return Slots(model.in_rows, model.low.size, value)
+    return Slots(model.in_rows, rings(model), model.low.size, value)
 
 
 def site_values(model) -> int:

@@ -11,14 +11,16 @@ COMPOSED = 8        # increments that a composition keeps, as `composed` of gen/
 
 
 class Slots:
-    """As runtime/lattice/smg_rows.h has them; found: a lattice, value: the number that a size is."""
+    """As runtime/lattice/smg_rows.h has them; found: a lattice; rings: its directions that close, as bits; value: the number that a size is."""
 
-    def __init__(self, found, size, value):
-        first, *others = (value(size(n)) for n in found.over.size)
+    def __init__(self, found, rings: int, size, value):
+        first, *others = sizes = [value(size(n)) for n in found.over.size]
         length = -(-first // found.step)
         row = length if length < number("SMG_LONG_ROW") else whole_vectors(length)
         self.colours, self.ends = found.colours.colours, number("SMG_BEFORE") + number("SMG_AFTER")
         self.colour = whole_vectors(found.ranks * prod(others) * row)
+        seam = any(rings >> d & 1 and w * n % self.colours for d, (w, n) in enumerate(zip(found.colours.weights, sizes)))
+        self.kept_from = 0 if seam else self.colour
 
     @property
     def pitch(self) -> int:
@@ -28,7 +30,7 @@ class Slots:
     def arrays(self, of_midpoints: bool, stages: int | None = None, tangent: bool = False) -> int:
         """Those of smg_row_layout; stages: of a composition; tangent: with the tangent map."""
         history = COMPOSED + min(stages, COMPOSED) if stages else 5 if self.colours == 2 else 4
-        of_sweeps = 3 * (1 + tangent) * (self.colour + self.ends) + 3 * (history + 1) * (self.pitch - self.colour) + (3 * (2 + stages * tangent) * self.pitch + MOST_LANES if stages else 0)
+        of_sweeps = 3 * (1 + tangent) * (self.kept_from + self.ends) + 3 * (history + 1) * (self.pitch - self.kept_from) + (3 * (2 + stages * tangent) * self.pitch + MOST_LANES if stages else 0)
         return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
 
     def beyond(self) -> int:
