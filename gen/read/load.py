@@ -80,7 +80,7 @@ def decoded(data: bytes, name: str) -> str:
 
 
 @public
-def load_text(text: str, path: str = "", library: Iterable[str | os.PathLike] = ()) -> Spec:
+def load_text(text: str, path: str | os.PathLike = "", library: Iterable[str | os.PathLike] = ()) -> Spec:
     """Read a spec from a string.
 
     :param path: the name to use in messages; files named in the spec are looked for in its folder.

@@ -140,7 +140,10 @@ SMG_INLINE void smg_turn_aimed(const smg_turning turn, const smg_piece *piece, i
   const smg_lanes none = {0};
   smg_lanes v[3], field[3] = {none, none, none};
   smg_take_slots(piece->g, SMG_PIECE_ROOM, k, v);
-  if (small || last) smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+  if (small || last) {
+    smg_take_slots(piece->field, SMG_PIECE_ROOM, k, field);
+    smg_first_lanes(in, field); /* the others are of no piece yet */
+  }
   smg_turn_slots(turn, slot, in, v, field, watched, small, last, moved);
 }
 
@@ -155,14 +158,13 @@ SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece,
  * are by now; not in the last passes, which move those by round-off. */
 SMG_INLINE void smg_turn_ends(const smg_coefficients *c, const smg_turning turn, smg_run run, smg_piece *piece,
                               enum smg_row_way way, int watched, int small, smg_row_motion *moved) {
-  const int64_t from = run.start + run.from, to = run.start + run.to, last = run.sites - 1;
-  for (; run.start + last < to; run.start += run.length)
-    if (run.start + last >= from) {
-      run.from = last;
-      run.to = last + 1;
-      smg_aim_run(c, turn, &run, 0, way, small, 0, piece, 0);
-      smg_turn_aimed(turn, piece, 0, run.start + last, 1, watched, small, 0, moved);
-    }
+  const int64_t to = run.start + run.to, last = run.sites - 1;
+  for (; run.start + last < to; run.start += run.length) {
+    run.from = last;
+    run.to = last + 1;
+    smg_aim_run(c, turn, &run, 0, way, small, 0, piece, 0);
+    smg_turn_aimed(turn, piece, 0, run.start + last, 1, watched, small, 0, moved);
+  }
 }
 
 /* The spins of a piece. */

@@ -21,7 +21,7 @@ LEAST = 0.99
 # The tests of the headers, and of steps that come to their edges, as few files as take all branches that any takes; without other
 # compilers and copies with faults.
 RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_at_large_steps|row_(blocks|wave)|rows"
-                 r"|rows_(absent|beyond|by_site|classical|composed|families|far|growing|held|in_time|tangent|torques)|runtime|shown|sparse|units)\.py"
+                 r"|rows_(absent|beyond|by_site|classical|composed|families|far|growing|held|in_time|radii|tangent|torques)|runtime|shown|sparse|states_without_memory|units)\.py"
                  r"|/run/test_(checkpoint|ensemble|interface|nearness|parameters|set_state|shared_model|spoilt_states|statuses|tolerance)\.py"
                  r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|response)\.py"
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"

@@ -326,11 +326,12 @@ def test_what_does_not_go_with_noise_is_refused():
         build(spec, parameters={"kT": -1.0})
     with pytest.raises(UsageError, match=r"does not support damping \(effect"):
         build(spec, method="axis-splitting")
-    one = build(spec).start("a", h=0.1)
-    late = one.save()
-    late[COUNT_HIGH] = 2**16
-    with pytest.raises(RunError, match="a parameter or a size is out of range"):
-        one.restore(late).step()        # from 2^48 steps on the counter would repeat itself
+    for method in ("spherical-midpoint", "heun"):
+        one = build(spec, method=method).start("a", h=0.1)
+        late = one.save()
+        late[COUNT_HIGH] = 2**16
+        with pytest.raises(RunError, match="a parameter or a size is out of range"):
+            one.restore(late).step()        # from 2^48 steps on the counter would repeat itself
     result = smidgen.run(spec, estimate=True)
     assert result.meta["end_error"] is None and "a different trajectory" in result.meta["end_error_withheld"]
 

@@ -1,5 +1,6 @@
 """Lattices in lanes (runtime/lattice/smg_rows.h): at every size, boundary and width the step that the equation has, with the same bits."""
 import re
+import shutil
 import subprocess
 
 import numpy as np
@@ -262,7 +263,8 @@ def test_passes_that_are_not_watched_are_no_more(monkeypatch, start, h):
     assert found[0][0] > min(found[0]) and found[0] == found[1]
 
 
-@pytest.mark.parametrize("over, sites, even", [("chain(n, periodic)", "n", 100), ("square(n, n, periodic)", "n*n", 16), ("cubic(n, n, n, periodic)", "n*n*n", 8)], ids=["ring", "square", "cubic"])
+@pytest.mark.parametrize("over, sites, even", [("chain(n, periodic)", "n", 100), ("square(n, n, periodic)", "n*n", 16), ("cubic(n, n, n, periodic)", "n*n*n", 8), ("cubic(8, 8, n, periodic)", "64*n", 16)],
+                         ids=["ring", "square", "cubic", "one side of three"])
 def test_a_seam_takes_one_sweep_more(over, sites, even):
     """Sites of one colour that meet across the seam of odd sides feel the newest midpoints of each other, and are extrapolated as all others: as many sweeps as even sides take, or one more; two where three seams meet."""
     found = []
@@ -297,6 +299,31 @@ def test_memory_of_a_spin(tmp_path, name):
     sites, most = (8000, 160) if name == "cubic 20" else (601, 216 * 608 / 601)
     found = float(subprocess.run(["./main"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout)
     assert found <= most + 8 * 9 * 3 * 32 / sites and found <= stated_by_rows(spec) / sites <= 1.02 * found
+
+
+MEMCHECK = """#include <stdlib.h>
+#include "{name}.c"
+int main(void) {{
+  {name}_params p;
+  {name}_model model;
+  {name}_state s;
+  static smg_real w[3 * 125];
+  {name}_defaults(&p);
+  for (int k = 0; k < 125; ++k) w[3 * k + k % 3] = 1;
+  return {name}_model_init(&model, &p) || {name}_init(&s, &model, malloc({name}_memsize(&model)), w, 0, 0.1) || {name}_steps(&s, 4);
+}}
+"""
+
+
+@pytest.mark.skipif(not shutil.which("valgrind"), reason="no valgrind: apt-get install valgrind")
+def test_no_step_depends_on_memory_without_a_value(tmp_path):
+    """Odd sides, whose pieces end within vectors."""
+    spec = lattice("written", "cubic(n, n, n, periodic)", 5, "n*n*n", EXCHANGE)
+    for file, text in {**generate(spec, amalgamate=True), "main.c": MEMCHECK.format(name=spec.name)}.items():
+        (tmp_path / file).write_text(text)
+    subprocess.run(["gcc", "-O1", "-g", "-Wno-psabi", "-DSMG_LANES=4", "-I.", "main.c", "-lm", "-o", "main"], cwd=tmp_path, check=True)
+    said = subprocess.run(["valgrind", "-q", "--error-exitcode=9", "./main"], cwd=tmp_path, capture_output=True, text=True)
+    assert said.returncode == 0, said.stderr[-1500:]
 
 
 def stated_by_rows(spec) -> int:
