@@ -9,6 +9,13 @@ from smidgen.resources import include_flags
 from support.strict import run_sanitized
 from test_ranks import SMALL, mpirun, needs_mpi
 
+# of every program: a model, and the numbers of its w
+BEGIN = """  {name}_params p;
+  {name}_model model;
+  {name}_defaults(&p);
+  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
+  const size_t n = 3 * (size_t){name}_sites(&model);
+"""
 MAIN = """
 #include "{name}.h"
 #include <stdlib.h>
@@ -21,13 +28,8 @@ static int refuses({name}_state *s, const smg_real *w, smg_real *room, smg_real 
 }}
 int main(void) {{
   static const {name}_state zero;
-  {name}_params p;
-  {name}_model model;
   {name}_state s = zero;
-  {name}_defaults(&p);
-  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
-  const size_t n = 3 * (size_t){name}_sites(&model);
-  smg_real *w = (smg_real *)calloc(2 * n, sizeof *w), *v = w + n;
+""" + BEGIN + """  smg_real *w = (smg_real *)calloc(2 * n, sizeof *w), *v = w + n;
   smg_real *room = (smg_real *)malloc({name}_savesize(&model) * sizeof *room + {name}_tangent_memsize(&model));
   for (size_t k = 2; k < n; k += 3) w[k] = 1;
   if (!refuses(&s, w, room, v)) return 2;
@@ -54,13 +56,8 @@ ENSEMBLE = """
 #include <stdlib.h>
 int main(void) {{
   static const {name}_ensemble zero;
-  {name}_params p;
-  {name}_model model;
   {name}_ensemble e = zero;
-  {name}_defaults(&p);
-  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
-  const size_t n = 3 * (size_t){name}_sites(&model);
-  smg_real *w = (smg_real *)calloc(5 * n, sizeof *w);
+""" + BEGIN + """  smg_real *w = (smg_real *)calloc(5 * n, sizeof *w);
   for (size_t k = 2; k < 5 * n; k += 3) w[k] = 1;
   if ({name}_ensemble_steps(&e, 0, 5, 1) != 5) return 2;
   if ({name}_ensemble_init(&e, &model, 0, 5, NULL, w, 0, 0.01) != 5 || {name}_ensemble_steps(&e, 0, 5, 1) != 5 || {name}_ensemble_steps(&e, 0, 0, 1) != 0) return 3;
@@ -94,13 +91,8 @@ int main(int argc, char **argv) {{
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &size);
-  {name}_params p;
-  {name}_model model;
   {name}_state s = zero;
-  {name}_defaults(&p);
-  if ({name}_model_init(&model, &p) != SMG_OK) return 1;
-  const size_t n = 3 * (size_t){name}_sites(&model);
-  smg_real *w = (smg_real *)calloc(n, sizeof *w), *room = (smg_real *)calloc({name}_savesize(&model), sizeof *room);
+""" + BEGIN + """  smg_real *w = (smg_real *)calloc(n, sizeof *w), *room = (smg_real *)calloc({name}_savesize(&model), sizeof *room);
   void *mem = calloc(1, {name}_memsize(&model));
   for (size_t k = 2; k < n; k += 3) w[k] = 1;
   if (!refuses(&s, w, room)) return 2;
