@@ -159,7 +159,7 @@ def test_c_refuses_a_negative_damping(orientation, space, kappa, more):
 
 @pytest.mark.quick
 def test_what_is_refused_changes_nothing():
-    spec = smidgen.load_text('[model]\nname = "refusing"\n[space]\nw = { sphere = "n", kappa = "k", radius = "r" }\n[parameters]\nn = 4\nk = 1.0\nr = 1.0\n'
+    spec = smidgen.load_text('[model]\nname = "refusing"\n[space]\nw = { sphere = "n", kappa = "k^3", radius = "r" }\n[parameters]\nn = 4\nk = 1.0\nr = 1.0\n'
                              'J = 1.0\nF = { default = 2.0, fixed = true }\n[effects.exchange]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "-F*J*dot(w[i], w[j])"\n'
                              '[starts.some]\nw = { random = 1 }\n')
     one, other = (smidgen.build(spec).start(h=0.1).steps(5) for _ in range(2))
@@ -167,7 +167,7 @@ def test_what_is_refused_changes_nothing():
     for values, said in (({"n": 5}, "n"), ({"F": 3.0}, "F"), ({"K": 1.0}, "no parameter"), ({"J": np.nan}, "finite"), ({"J": [1, 2]}, "one number")):
         with pytest.raises(UsageError, match=said):
             one.set_parameters(values)
-    for values in ({"r": 2.0}, {"r": 0.0}, {"r": -1.0}, {"k": 0.0}):
+    for values in ({"r": 2.0}, {"r": 0.0}, {"r": -1.0}, {"k": 0.0}, {"k": 1e120}):
         with pytest.raises(RunError, match="parameter"):
             one.set_parameters(values)
     assert one.parameters["r"] == 1 and one.parameters["k"] == 1 and bits(one.save()) == bits(saved)

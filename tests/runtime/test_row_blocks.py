@@ -19,6 +19,7 @@ sites = 2
 boundary = "periodic"
 bonds.all = [{ from = 0, to = 0, offset = [1, 0] }, { from = 1, to = 1, offset = [1, 0] }, { from = 0, to = 0, offset = [0, 1] }, { from = 1, to = 1, offset = [0, 1] }, { from = 0, to = 1, offset = [0, 0] }]
 """
+UNLIKE = STACKED.replace("stacked", "unlike").replace("{ from = 1, to = 1, offset = [0, 1] }, ", "")      # places of a cell with four and two bonds
 FOUR = """[lattices.four]
 size = ["n", 4, 2, 6]
 boundary = "periodic"
@@ -32,6 +33,7 @@ SPECS = {
     "long cubic": (lattice("long_cubic", "cubic(n, 6, 12, periodic)", 8, "72*n", EXCHANGE + DM), (4, 1, 2, 1), (0, 0, 0, 0)),
     "honeycomb": (lattice("honeycomb", "honey.all", 10, "16*n", EXCHANGE + DM, HONEY), (1, 8, 1, 1), (0, 0, 0, 0)),
     "stacked": (lattice("stacked_up", "stacked.all", 16, "8*n", EXCHANGE + DM, STACKED), (4, 2, 1, 1), (0, 0, 0, 0)),
+    "unlike": (lattice("unlike_places", "unlike.all", 16, "8*n", EXCHANGE + DM, UNLIKE), (4, 2, 1, 1), (0, 0, 0, 0)),
     "three colours": (lattice("further", "chain(n, periodic, 2)", 96, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")), (8, 1, 1, 1), (0, 0, 0, 0)),
     "four directions": (lattice("directions", "four.all", 8, "48*n", EXCHANGE.replace("0.7", "0.3"), FOUR), (4, 2, 1, 1), (0, 0, 0, 0)),
 }
@@ -43,6 +45,7 @@ WITHOUT = {
     "empty slots": lattice("emptied", "square(n, 8, periodic)", 132, "8*n", EXCHANGE),
     "three colours": SPECS["three colours"][0],
     "at the seam": lattice("seam", "square(16, n, periodic)", 7, "16*n", EXCHANGE),
+    "at the seam of the fourth direction": lattice("sewn", "four.all", 8, "40*n", EXCHANGE, FOUR.replace("6]", "5]")),
     "large": lattice("extensive", "square(n, 640, periodic)", 640, "640*n", EXCHANGE),
 }
 
@@ -137,7 +140,7 @@ def bits_agree(main, *words):
     return subprocess.run([main, *words], capture_output=True, text=True)
 
 
-FIRST = (("cubic", 2), ("honeycomb", 8))
+FIRST = (("cubic", 2), ("honeycomb", 8), ("unlike", 4))
 MIDPOINTS = [n for n in SPECS if n != "three colours"]
 
 

@@ -150,6 +150,17 @@ def test_a_step_that_fails_leaves_the_map_of_the_one_before(method, monkeypatch)
         assert np.array_equal(model.tangent(v), wanted)
 
 
+def test_a_map_that_does_not_settle_is_an_error(monkeypatch):
+    """The state after a step is restored where only four passes of colours are allowed: too few for the map."""
+    spec, h = lattice("hurried", "chain(n, periodic)", 16, "n", EXCHANGE), 0.1
+    saved = smidgen.build(spec, features=TANGENT).start("random", h=h).steps(8).save()
+    monkeypatch.setenv("CC", "gcc -Wno-psabi -DSMG_ROW_PASSES=4")
+    model = smidgen.build(spec, features=TANGENT).start("random", h=h).restore(saved)
+    with pytest.raises(RunError, match="converge"):
+        model.tangent(vectors(model))
+    assert np.array_equal(model.save(), saved)
+
+
 @pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param(COMPOSED, marks=pytest.mark.long)])
 def test_the_map_is_symplectic(method):
     """K(W) = M K(w) M^T in double precision, K the blocks [w]_x."""
