@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from smidgen.compile.assemble.site_values import MOST
 from smidgen.compile.features import EVERYWHERE
 from smidgen.effects.damping import FORMS
 from smidgen.methods import METHODS
@@ -84,7 +83,7 @@ class Draft:
     place: str
     edges: tuple
     names: tuple
-    room: int = MOST
+    room: int = 24
     effects: list = field(default_factory=list)
     lattices: dict = field(default_factory=dict)
     space: dict = field(default_factory=dict)

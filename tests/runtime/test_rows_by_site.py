@@ -58,6 +58,15 @@ def test_rows_solve_the_step(place, kind):
     assert close(spec, steps=5 if PLACES[place][3] < 200 else 2) <= 2e-14
 
 
+@pytest.mark.parametrize("place", ["odd cubic", pytest.param("honeycomb", marks=pytest.mark.long)])
+def test_any_number_of_numbers(place):
+    """Nine of each bond, six of an anisotropy, four of waves: 64 of a site on the cubic lattice."""
+    tensor = " + ".join(f"0.1*normal({3 * p + q}, i, j)*w[i].{a}*w[j].{b}" for p, a in enumerate("xyz") for q, b in enumerate("xyz"))
+    axes = " + ".join(f"0.2*normal({20 + p + q}, i)*w[i].{a}*w[i].{b}" for p, a in enumerate("xyz") for q, b in enumerate("xyz"))
+    spec = drawn(place, axes, KINDS["phases"], bonds=f'[effects.tensor]\nover = "bond(i, j) of {{over}}"\nenergy = "{tensor}"\n')
+    assert by_rows(spec) and close(spec) <= 2e-14
+
+
 @pytest.mark.parametrize("seed", [pytest.param(s, marks=() if s < 2 else pytest.mark.long) for s in range(16)])
 def test_states_are_those_from_site_to_site(seed):
     """Of drawn lattices and effects."""

@@ -14,7 +14,7 @@ from ..lower.lowering import index_names
 from .bond_values import bond_partings, two_ended
 from .response import formulas
 from .row_bounds import bends
-from .site_values import MOST, differs, partings
+from .site_values import differs, partings
 
 BOUNDED_DOMAIN = sp.log, sp.tan, sp.asin, sp.acos       # not finite for all numbers
 
@@ -112,8 +112,3 @@ def may_be_infinite(e, zero: dict) -> bool:
     parts = [x for x in (1 / y.args[1] if isinstance(y, over) else y for y in e.atoms(sp.Pow, power, over, *BOUNDED_DOMAIN)) if x.free_symbols & set(zero) and not (isinstance(x, sp.Pow) and x.exp.is_Integer and x.exp > 0)]
     values = [sp.N(x.replace(power, sp.Pow).xreplace(zero)) for x in parts]
     return not all(x.is_number and is_real(x) for x in values)
-
-
-def of_numbers(found: int) -> str | None:
-    """The numbers that differ from site to site."""
-    return f"{found} numbers differ from site to site (at most {MOST} are possible)" if found > MOST else None

@@ -64,14 +64,14 @@ class Home:
         return (If(tests, number), Return(ZERO)) if tests else number
 
 
-def firsts(model, widths) -> tuple:
-    """({prefix: the number of its first value}, how many a site has at most) of terms with so many values at each of their sites; terms of different families share numbers."""
+def firsts(model, widths) -> dict:
+    """{prefix: the number of its first value} of terms with so many values at each of their sites; terms of different families share numbers."""
     used, found = dict.fromkeys((f.name for f in model.families), 0), {}
     for t, width in widths:
         names = {name for name, _ in t.slots}
         found[t.prefix] = max(used[name] for name in names)
         used.update(dict.fromkeys(names, found[t.prefix] + width))
-    return found, max(used.values())
+    return found
 
 
 def homes_of(model, t) -> tuple:

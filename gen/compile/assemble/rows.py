@@ -19,7 +19,7 @@ from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
-from .by_site import of_absent, of_lattices, of_laws, of_numbers, of_radii, of_space, of_term, of_zeros, unlike_in
+from .by_site import of_absent, of_lattices, of_laws, of_radii, of_space, of_term, of_zeros, unlike_in
 from .common_cell import firsts, homes_of, in_cells, lattices, place_of, roles
 from .families import SITE, by_family
 from .lanes import in_lanes, named
@@ -100,8 +100,8 @@ def rows_of(model, low, over, some, laws):
         return why_not
     apart = [t for t in terms if differs(t)]
     joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
-    first, numbers = firsts(model, [*((t, count(low, t)) for t in apart), *((t, numbers_of(low, t, joined[t.prefix])) for t in terms if t.prefix in joined)])
-    why_not = of_numbers(numbers + bool(model.moving and not laws) + rated + radii + len(laws)) or (of_radii(model, terms) if bounded else None)
+    first = firsts(model, [*((t, count(low, t)) for t in apart), *((t, numbers_of(low, t, joined[t.prefix])) for t in terms if t.prefix in joined)])
+    why_not = of_radii(model, terms) if bounded else None
     if why_not:
         return why_not
     bounds, timely = bounds_of_terms(low, terms, radii_of(model), model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)

@@ -17,8 +17,6 @@ from ..lower.lowering import index_names
 from .families import returned
 from .lanes import in_lanes
 
-MOST = 8        # numbers a site: with more of them, arrays take as much memory as the states do
-
 
 @dataclass(frozen=True)
 class Sited:
