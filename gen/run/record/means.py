@@ -1,6 +1,7 @@
 """Averages over the outputs of a run, in memory that does not grow with them."""
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -46,8 +47,10 @@ class Means:
         self.statistics.add(values[outputs >= self.first][:, self.at])
 
     def found(self) -> dict:
-        self.statistics.end()
-        return {name: vars(one) for name, one in zip(self.names, averages(self.statistics, self.interval))} if self.statistics.samples else {}
+        """As they are if the run ends here; one that was interrupted may go on."""
+        ended = copy.deepcopy(self.statistics)
+        ended.end()
+        return {name: vars(one) for name, one in zip(self.names, averages(ended, self.interval))} if ended.samples else {}
 
 
 def averages(statistics: Statistics, interval: float) -> Iterator[Average]:

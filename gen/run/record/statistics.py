@@ -107,7 +107,8 @@ class Statistics:
         self.rest, self.pending, self.member = self.rest[:0], {}, Moments(self.columns)
 
     def block(self, rows: np.ndarray) -> None:
-        """SIZE samples, or the last ones of a member."""
+        """SIZE samples, or the last ones of a member. numpy adds up each column as it lies in memory: here in one piece, wherever the rows come from."""
+        rows = np.asfortranarray(rows)
         self.member.add(rows)
         for histogram, column in zip(self.histograms, rows.T):
             histogram.add(column)
