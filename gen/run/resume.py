@@ -36,10 +36,10 @@ def resume(path: str | os.PathLike, *, keep: bool = False, progress: Callable[[i
         return ranks.on_first(lambda: _complete(path))
     folder = ranks.on_first(lambda: Folder.open(path), send=False)     # None on other ranks
     try:
-        meta = ranks.on_first(lambda: folder.run() if folder.parts("run") else None)
-        if meta is None:
+        saved = ranks.on_first(lambda: folder.run() if folder.parts("run") else None)
+        if saved is None:
             return ranks.on_first(lambda: _put_together(path, folder))
-        model, settings = begun_again(meta, path)
+        model, settings = begun_again(*saved, path)
         return execute(model, settings, path, keep, progress, (folder, ranks.on_first(lambda: folder.newest(tell))))
     except OSError as problem:
         raise CheckpointError(f"cannot use {folder_of(path)}: {problem.strerror or problem}") from None
@@ -59,16 +59,16 @@ def saved_run(path) -> dict:
     """The metadata of the run to go on with, or of the complete result. Raises CheckpointError."""
     folder = Folder(path)
     if folder.path.is_dir() and folder.parts("run"):
-        return folder.run()
+        return folder.run()[0]
     return _complete(path).meta
 
 
-def begun_again(meta: dict, path):
+def begun_again(meta: dict, checkpoint: int | None, path):
     """(model at its start, settings) of a saved run, when this program is the one that began it."""
     if meta["generator"] != generator_name():
         raise CheckpointError(f"{path} was started by {meta['generator']}, but this is {generator_name()}: the bits would differ. Continue with that version, or remove {folder_of(path)} and start again")
     spec, name, given = recorded(meta)
-    settings = settle(spec, name, **given)
+    settings = settle(spec, name, **given, checkpoint=checkpoint)
     model = begun(spec, settings)
     now = json.loads(json.dumps(describe(model, settings)))
     differing = [key for key in meta if key not in ("status", "done") and now.get(key) != meta[key]]

@@ -158,10 +158,8 @@ def averaging(model: Integrator, settings: Settings) -> Means | None:
 def _file_sink(out, model, settings, layout, place):
     """The sink of a file: with checkpoints, or one that writes as the run goes."""
     meta = describe(model, settings)
-    if place:
-        return SafeSink(out, meta, layout, place[0])
-    if settings.checkpoint:
-        return SafeSink(out, meta, layout)
+    if place or settings.checkpoint:
+        return SafeSink(out, meta, layout, settings.checkpoint, place and place[0])
     refuse_unfinished(out)
     return open_sink(out, meta, layout)
 

@@ -68,6 +68,15 @@ def test_a_stopped_run_goes_on(stopped, unbroken):
     same_as_unbroken(stopped, unbroken)
 
 
+def test_a_run_that_goes_on_makes_checkpoints_as_before(tmp_path):
+    """As often as the call said that began it; so a second kill costs no more than the first."""
+    out, seen = tmp_path / "a.h5", set()
+    crash.forked(lambda: crash.Deadly(40) and smidgen.run("free_rigid_body", steps=300, checkpoint=30, out=out))
+    assert 0 < Folder(out).parts("state")[-1].number < 240
+    smidgen.resume(out, progress=lambda done: seen.update(part.number for part in Folder(out).parts("state")))
+    assert {240, 270} <= seen
+
+
 def test_what_was_saved_is_there_in_memory_too(stopped, unbroken):
     kept = smidgen.resume(stopped, keep=True)
     read = smidgen.load_result(unbroken[".h5"][0])

@@ -2,7 +2,7 @@
 
 `result.h5.checkpoint/` holds parts, HDF5 files that are written once and never changed:
 
-    run-<digest>.h5             the metadata of the run, all that is needed to repeat it
+    run-<digest>.h5             the metadata of the run, all that is needed to repeat it, and how often there is a checkpoint
     rows-<first>-<digest>.h5    rows of the columns from number `first` on
     state-<count>-<digest>.h5   the saved state after `count` steps, the rows that belong to it
     lock                        held by the run that writes
@@ -30,14 +30,14 @@ from ...packages import needed
 from ...system import locked, sync_folder
 from .durable import write_new
 from .output import put_text
-from .kinds import count, finite_or_not, listed, number, table, triple
+from .kinds import count, either, finite_or_not, listed, none, number, table, triple
 from .received import Wrong, checked, opened, parsed, refusing, sets_of
 
 FORMAT = 1          # of the parts; another one is refused
 STATES = 2          # kept: when the last one is damaged, the one before serves
 DIGEST = 32         # hexadecimal digits of a digest in a name
 FACTS = {           # kind of a part -> is this what it says of itself?
-    "run": lambda facts: "format" in facts,
+    "run": lambda facts: "format" in facts and either(none, count)(facts.get("checkpoint")),
     "rows": lambda facts: True,
     "state": lambda facts: (count(facts.get("count")) and count(facts.get("rows")) and number(facts.get("seconds"))
                             and count(facts.get("outputs")) and table(table(finite_or_not))(facts.get("largest"))
@@ -133,8 +133,8 @@ class Folder:
         self.out, self.path, self.handle = Path(out), folder_of(out), None
 
     @classmethod
-    def begin(cls, out, meta: dict) -> "Folder":
-        """A folder for a new run. Raises CheckpointError when one that was not finished is there."""
+    def begin(cls, out, meta: dict, checkpoint: int) -> "Folder":
+        """A folder for a new run, with a checkpoint every so many steps. Raises CheckpointError when one that was not finished is there."""
         folder = cls(out)
         folder.path.mkdir(exist_ok=True)
         sync_folder(folder.path.parent)
@@ -142,7 +142,7 @@ class Folder:
         try:
             folder.refuse_unfinished()
             folder.clear()
-            folder.put("run", 0, {"format": FORMAT, "meta": meta}, {})
+            folder.put("run", 0, {"format": FORMAT, "meta": meta, "checkpoint": checkpoint}, {})
         except BaseException:
             folder.give_up()
             raise
@@ -190,8 +190,8 @@ class Folder:
         data = packed(facts, arrays)
         write_new(self.path / f"{kind}-{number:018d}-{digest_of(data)}.h5", data, name_too=kind != "rows")
 
-    def run(self) -> dict:
-        """The metadata of the run. Raises CheckpointError."""
+    def run(self) -> tuple[dict, int | None]:
+        """The metadata of the run, and its steps between checkpoints. Raises CheckpointError."""
         parts = self.parts("run")
         if not parts:
             raise CheckpointError(f"there is no checkpoint of {self.out}: {self.path} does not contain a run")
@@ -199,7 +199,7 @@ class Folder:
         if facts["format"] != FORMAT:
             raise CheckpointError(f"{self.path} was written by another version of smidgen")
         with refusing(parts[0].path, CheckpointError):
-            return checked(facts.get("meta"))
+            return checked(facts.get("meta")), facts.get("checkpoint")
 
     def good_rows(self) -> tuple[int, CheckpointError | None]:
         """(how many rows are there from the first on, what is wrong with the next part)."""

@@ -9,14 +9,14 @@ from .output import check_layout, open_sink
 
 
 class SafeSink:
-    """Stands in for a file's sink. `saved` is the step that a resume would go on from."""
+    """Stands in for a file's sink. `saved` is the step that a resume would go on from; checkpoint: steps between two states; folder: of a run that goes on."""
 
-    def __init__(self, out, meta: dict, layout: dict, folder: Folder | None = None):
+    def __init__(self, out, meta: dict, layout: dict, checkpoint: int, folder: Folder | None = None):
         self.out, self.meta, self.layout, self.folder = out, meta, layout, folder
         self.saved, self.rows = None, 0
         check_layout(out, layout)
         with self._guard():
-            self.folder = folder or Folder.begin(out, meta)
+            self.folder = folder or Folder.begin(out, meta, checkpoint)
 
     def go_on(self, facts: dict) -> None:
         """Be where the state with these facts was saved; what is newer goes."""
