@@ -46,9 +46,24 @@ B = 1.0
 [effects.only]
 energy = "w.x + B*sqrt(0.5 + w.z)"
 """
+SITES = """
+[model]
+name = "sites"
+[space]
+w = { sphere = "n" }
+[parameters]
+n = 4
+K = { default = [1.0, 2.0, 3.0, 4.0], size = "n" }
+[effects.only]
+over = "site(i) of w"
+energy = "K[i]*w[i].z^2"
+[starts.a]
+theta = "1 + 0.3*i"
+phi = 0.4
+"""
 OWN_STEPS, EXTRAPOLATION = ("dop853", "dop853-projected"), "extrapolation-12"
 SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR),
-         "edge": smidgen.load_text(EDGE), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
+         "edge": smidgen.load_text(EDGE), "sites": smidgen.load_text(SITES), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
 
 
 def test_these_go_in_lanes():
@@ -130,6 +145,15 @@ def test_parameters_of_each_member(how, name, own):
     own = {p: rng.uniform(*ends, (11, 3) if p == "B" else 11) for p, ends in own.items()}
     found = smidgen.ensemble(spec, start=w, parameters=own, h=0.1, steps=50, **how)
     assert agree(found, alone(spec, w, 0.1, 50, own=own))
+
+
+def test_one_number_of_a_member_stands_for_a_whole_array():
+    """As in a call for one."""
+    spec, values = SPECS["sites"], np.array([[1.0], [5.0], [9.0]])
+    found = smidgen.ensemble(spec, parameters={"K": values}, h=0.1, steps=5)
+    assert np.array_equal(found.w, smidgen.ensemble(spec, parameters={"K": np.repeat(values, 4, axis=1)}, h=0.1, steps=5).w)
+    for k, value in enumerate(values[:, 0]):
+        assert np.array_equal(found.w[k], smidgen.build(spec, parameters={"K": value}).start("a", h=0.1).steps(5).w)
 
 
 @pytest.mark.parametrize("lanes", [1, 2, 4, 8])
@@ -313,7 +337,7 @@ def test_members_that_cannot_begin_are_named():
 
 @pytest.mark.parametrize("given, said", [
     (dict(start=np.zeros((3, 2))), "shape"), (dict(start="abc"), "no start 'abc'"), (dict(start=np.ones((3, 2, 3))), "has 1 sites"),
-    (dict(parameters={"a": [1.0, 2.0]}), "the number of members is missing"), (dict(parameters={"n": [1, 2, 3]}), "'n' must be the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
+    (dict(parameters={"a": [1.0, 2.0]}), "the numbers of members differ: starts: 3, 'a': 2"), (dict(parameters={"n": [1, 2, 3]}), "'n' must be the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
     (dict(parameters={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "has no output 'spin'"), (dict(threads=0), "at least 1"), (dict(parameters={"c": 1}), "c"),
     (dict(start=[["x"]]), "array of shape"), (dict(steps=None), "no duration"), (dict(every=0), "every must be from 1")])
 def test_what_does_not_fit_is_refused(given, said):

@@ -224,7 +224,7 @@ def _members(given, own) -> int:
     """How many there are, by the starts and the values, which must agree."""
     found = {**({} if given is None else {"starts": len(given)}), **{f"'{name}'": len(value) for name, value in own.items()}}
     if len(set(found.values())) > 1:
-        raise UsageError("the number of members is missing: " + ", ".join(f"{name}: {count}" for name, count in found.items()))
+        raise UsageError("the numbers of members differ: " + ", ".join(f"{name}: {count}" for name, count in found.items()))
     members = next(iter(found.values()), 1)
     if not 1 <= members <= limits.MEMBERS:
         raise UsageError(f"an ensemble must have from 1 to {limits.MEMBERS} members, not {members}")
@@ -264,8 +264,13 @@ def _parameters(numbers: Evaluated, own, members):
     for k, name in enumerate(names):
         if name in own:
             table[:, k] = own[name]
-    sets = [np.ascontiguousarray(own[p.name], float) if p.name in own else one for p, one in zip((p for p in free if p.kind == "array"), arrays)]
+    sets = [of_members(own[p.name], members, len(one)) if p.name in own else one for p, one in zip((p for p in free if p.kind == "array"), arrays)]
     return np.ascontiguousarray(table), [one[k] if one.ndim == 2 else one for k in range(members) for one in sets]
+
+
+def of_members(given, members: int, size: int) -> np.ndarray:
+    """The arrays of all members, shape (members, size); a single number of a member stands for as many equal ones."""
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(given, float), (members, size)))
 
 
 def _rows(steps: int, every: int | None) -> list:
