@@ -95,6 +95,11 @@ class Method:
         return self.stage_rows or self.by_field
 
     @property
+    def pushed_by_rows(self) -> bool:
+        """Has it a step by rows with torques that are fields?"""
+        return self.of_midpoints and self.onto_leaf or self.takes_fields
+
+    @property
     def of_midpoints(self) -> bool:
         """Its step is one or several of a midpoint."""
         return self.midpoint or self.stages > 1 and not self.how

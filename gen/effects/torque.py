@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..language import codes
-from ..language.expr import Expr, Idx, Num, Op, Spin, slots_of, walk, with_index
+from ..language.expr import Expr, Idx, Num, Op, Spin, Time, slots_of, walk, with_index
 from ..language.polynomial import Polynomials, TooLong, added, dot
-from ..language.spec import Effect, Once, Sites, Spec, Term
+from ..language.spec import Effect, Lattice, Once, Sites, Spec, Term
 from ..language.units import NONE, TIME, quotient
 from ..language.turning import about, of_site, radius_of, turn
 from ..methods import GRADIENT, HESSIAN, SITE_GRADIENT
@@ -140,11 +140,19 @@ class Torque(Term, Effect):
 
     def contribution(self, spec: Spec, method) -> Contribution:
         """In closed form, part of the response of its sites; or a field that it adds to their gradients."""
-        found, family = None if method and (method.across or method.by_field and self.lags(spec)) else closed(self, spec), family_of(spec, self.on.family)
+        found, family = None if method and self.opened(spec, method) else closed(self, spec), family_of(spec, self.on.family)
         if found is None:
             return Contribution(self.name, self.slots, self.over, OF_FIELDS, conservative=False, bends=True)
         strength = times(Num(spec.orientation), family.kappa)
         return Contribution(self.name, self.slots, self.over, conservative=False, push=(*found, strength, family.radius or Num(1)))
+
+    def opened(self, spec: Spec, method) -> bool:
+        """Is it a field even where it has a closed form? Steps by rows take fields in time, but a response that is the same at all times."""
+        return method.across or method.by_field and self.lags(spec) or self.timed and method.pushed_by_rows and any(isinstance(e.over, Lattice) for e in spec.effects)
+
+    @property
+    def timed(self) -> bool:
+        return any(isinstance(e, Time) for e in walk(self.value))
 
     def lags(self, spec: Spec) -> bool:
         """Does Gilbert's damping act on it? Its closed form then assumes |w| = r, which does not hold in the stages of methods that leave the sphere."""

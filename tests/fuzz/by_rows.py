@@ -318,7 +318,9 @@ def pushed(d):
         if d.place not in MANY and not (gone or still or of_each(d, name, "kappa", KAPPAS) or of_each(d, name, "radius", RADII)) and d.chance(3):
             d.effect(f"bond(i, j) of {d.over()}{d.on(name)}", torque=BESIDE.replace("{w}", name))
     elif d.takes(6):
-        d.effect(f"site(k) of {name}", torque=d.dice.choice(CLOSED + CLOSED_BY_SITE).replace("{w}", f"{name}[k]"))
+        timed = d.method.pushed_by_rows and not of_each(d, name, "radius", RADII) and d.chance(2)
+        torque = f"{d.dice.choice(CLOCK)}*{d.dice.choice(CLOSED[:2] + CLOSED_BY_SITE)}" if timed else d.dice.choice(CLOSED + CLOSED_BY_SITE)
+        d.effect(f"site(k) of {name}", torque=torque.replace("{w}", f"{name}[k]"))
 
 
 def of_each(d, name, what, formulas) -> bool:

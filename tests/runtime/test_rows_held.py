@@ -97,10 +97,7 @@ def test_so_they_do_by_other_methods(method):
 
 
 @pytest.mark.parametrize("what, said", [
-    (PINNED + TORQUE.replace("0.2", "cos(t)"), "the motion of sites under `current` depends on time"),
     (ABSENT + '[effects.squares]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i] - w[j], w[i] - w[j])"\n', "the field of `exchange` and `dm` and `squares` does not vanish where one of its spins is 0, but some sites are absent"),
-    ('[effects.random]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(vec(uniform(1, i, j), uniform(2, i, j), uniform(3, i, j)), w[i])*w[j].x"\n',
-     "10 numbers differ from site to site (at most 8 are possible)"),
     ('[effects.kinked]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "abs(dot(w[i], w[j]))"\n', "`kinked` has branches")])
 def test_what_prevents_it_is_said(what, said):
     """In `gen` and `run`, by the notes, and by `explain`."""

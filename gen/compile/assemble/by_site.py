@@ -5,14 +5,12 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ...language.expr import Time, walk
 from ...language.spec import Lattice, Sites
 from ..derive.derivatives import is_real, power, switched
 from ..derive.written import over
 from ..lower.code import mentions
 from ..lower.lowering import index_names
 from .bond_values import bond_partings, two_ended
-from .response import formulas
 from .row_bounds import bends
 from .site_values import differs, partings
 
@@ -50,16 +48,13 @@ def several(formula, kernel) -> bool:
     return bool(index_names(formula) or kernel.values)
 
 
-def of_laws(model, laws) -> str | None:
-    """What sites do beside precession; laws: of those that move."""
+def of_laws(model) -> str | None:
+    """What sites do beside precession."""
     effects = [c.name for c in model.contributions if c.response is not None or c.push or c.bends or c.moves is not None]
-    if model.torques and not (model.method.of_midpoints and model.method.onto_leaf or model.method.takes_fields):
+    if model.torques and not model.method.pushed_by_rows:
         return f"the torque `{model.torques[0].derived.term.name}` has no closed form"
     if model.responses and not model.method.responds_by_rows:
         return f"{model.method.title} has no step by rows with `{effects[0]}`"
-    names = " and ".join(f"`{c.name}`" for c in model.contributions if c.response is not None or c.push)
-    if any(isinstance(node, Time) for law in laws.values() for e in formulas(law) for node in walk(e)):
-        return f"the motion of sites under {names} depends on time"
     return None
 
 

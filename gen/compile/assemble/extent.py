@@ -151,6 +151,8 @@ def times(x, y) -> tuple:
         if y[0] == -y[1] or x[0] == -x[1]:
             most = size(*x) * size(*y)
             return -most, most
+        if side(x[0]) == side(y[0]) == 1:
+            return x[0] * y[0], x[1] * y[1]
         corners = [a * b for a in x for b in y]
         return least(*corners), largest(*corners)
     if all(z[0] is not None and side(z[0]) == 1 for z in (x, y)):
@@ -177,6 +179,8 @@ def raised(e, parts) -> tuple:
     if p < 0:
         return inverse(*raised(sp.Pow(e.base, -p, evaluate=False), parts))
     if p.is_Integer and p % 2 == 0:
+        if a is not None and side(a) == 1:
+            return a ** p, None if b is None else b ** p
         most = size(a, b)
         return sp.S.Zero, None if most is None else most ** p
     if p.is_Integer:

@@ -14,9 +14,9 @@ from ...language.spec import Lattice, Sites
 from ...resources import runtime_numbers
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
-from ..lower.kernels import COEFFICIENTS
+from ..lower.kernels import COEFFICIENTS, field_kernels
 from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
-from ..plan.contributions import laws_of
+from ..plan.contributions import fields_of, laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
 from .by_site import of_absent, of_lattices, of_laws, of_radii, of_space, of_term, of_zeros, unlike_in
@@ -81,7 +81,7 @@ def rows(model, low):
     """`Rows`, or why they do not serve."""
     laws, over = laws_of(model.contributions), one_lattice(lattices(model))
     why_not = of_lattices(model)
-    why_not = why_not if why_not is not None else of_space(model) or of_laws(model, laws) or (None if over else "its sites have no bonds")
+    why_not = why_not if why_not is not None else of_space(model) or of_laws(model) or (None if over else "its sites have no bonds")
     if why_not is None and not (model.method.takes_fields or turned(model) or paired(model) or midpoint_rows(model)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
@@ -148,8 +148,9 @@ def whole_terms(model, low) -> dict:
     """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some."""
     if not lacking(model.whole):
         return {}
-    found = energy_kernels(low, model.whole.energies, "row", model.method, like=model.spec.energies)[0]
-    return {t.prefix: whole for t, whole in zip(model.energies, found, strict=True)}
+    energies = energy_kernels(low, model.whole.energies, "row", model.method, like=model.spec.energies)[0]
+    torques = [field_kernels(low, t, t.slots, field, "row") for t, field in fields_of(model.whole, model.contributions, model.method)]
+    return {t.prefix: one for t, one in zip(model.fields, (*energies, *torques), strict=True)}
 
 
 def held_rows(found, model, low, law):

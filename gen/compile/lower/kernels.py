@@ -92,9 +92,9 @@ def motion_kernels(low: Lowering, d: Derived, role: str) -> TermKernels:
                    operations=(0, gradient.operations))
 
 
-def field_kernels(low: Lowering, torque: Term, slots: tuple, field) -> TermKernels:
+def field_kernels(low: Lowering, torque: Term, slots: tuple, field, role: str = "torque") -> TermKernels:
     """The field of a torque in the place of a gradient, and its derivatives; it has no value."""
-    bare = TermKernels(derive_field(torque, slots, field), f"torque_{torque.name}")
+    bare = TermKernels(derive_field(torque, slots, field), f"{role}_{torque.name}")
     d = bare.derived
     gradient = low.kernel([x for row in d.gradient for x in row], d.leaves, d.parts)
     return replace(bare, functions=(gradient_function(bare, gradient), *(hessian_function(low, bare, pair) for pair in d.hessian)),
