@@ -55,6 +55,7 @@ static smg_status smg_solve_linear(smg_state *s, smg_real h, int64_t k) {
   if (square >= 0.25 && smg_leaf_value(s, k) > 0)
     smg_stretch(s->w + 3 * k, s->compensation + 3 * k, smg_leaf_value(s, k), smg_respond(c, k, m, g, room), u);
   if (SMG_MATH(fabs)(u[0]) + SMG_MATH(fabs)(u[1]) + SMG_MATH(fabs)(u[2]) <= SMG_MAX) return SMG_OK;
+  s->report.reached = 0; /* that of a curve before */
   return smg_end_report(s, SMG_NOT_FINITE, k);
 }
 #endif
@@ -124,13 +125,14 @@ SMG_INLINE smg_real smg_site_size(const smg_state *s, int64_t k) {
 /* The end of a contractive step: evaluations at the midpoint of w + compensation, until a twentieth of the round-off of
  * the iteration is left, which would drift. They move u by round-off alone, but where its field jumps. */
 static smg_status smg_site_refine(smg_state *s, smg_real h, int64_t k, smg_real *mbar, smg_real *u, smg_real bound) {
+  const smg_real size = smg_kind(&s->c, k) == SMG_NAMBU ? s->scale : smg_min(s->scale, smg_leaf_value(s, k));
   smg_site_equation e;
   smg_real left = 1, next[3];
   for (int n = 0; smg_refines(n, left); ++n) {
     smg_middle(3, s->w + 3 * k, s->compensation + 3 * k, u, mbar);
     (void)smg_site_evaluate(s, h, k, mbar, &e, next);
     for (int b = 0; b < 3; ++b) { /* where the method ends, too, it jumps */
-      if (smg_abs(next[b] - u[b]) > SMG_NEARLY * s->scale) return SMG_NO_CONVERGENCE;
+      if (smg_abs(next[b] - u[b]) > SMG_NEARLY * size) return SMG_NO_CONVERGENCE;
       u[b] = next[b];
     }
     left *= smg_contracts(bound) ? bound : 0; /* more of them would enlarge it */
@@ -323,11 +325,20 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
 }
 
 /* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
- * whether or not the others have a step. */
+ * whether or not the others have a step. The report has the most iterations, and the largest residual, of any site. */
 static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
+  int iterations = SMG_HAS_COUPLED ? s->report.iterations : 0;
+  smg_real residual = SMG_HAS_COUPLED ? s->report.residual : 0;
   int64_t n = 0;
-  while (n < smg_alone(&s->c) && status == SMG_OK) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n++));
-  return status == SMG_OK ? SMG_OK : smg_first_end(s, h, n, status);
+  while (n < smg_alone(&s->c) && status == SMG_OK) {
+    status = smg_solve_alone(s, h, smg_alone_site(&s->c, n++));
+    iterations = s->report.iterations > iterations ? s->report.iterations : iterations;
+    smg_take(&residual, s->report.residual);
+  }
+  if (status != SMG_OK) return smg_first_end(s, h, n, status);
+  s->report.iterations = iterations;
+  s->report.residual = residual;
+  return SMG_OK;
 }
 #endif
 

@@ -108,7 +108,7 @@ TOLERANCE = (
     (C, r"\bit > 6\b", r"it > 0"),
     (NOISE, r"even <= 0\.5 \* odd \? odd / SMG_PROBE : 0", r"odd > 0 ? (smg_real)1e-9 : 0"),
     (NOISE, r"even <= 0\.5 \* odd \? odd / SMG_PROBE : 0", r"even < 0 ? odd : 0"),
-    (ALONE, r"> SMG_NEARLY \* s->scale\) return SMG_NO_CONVERGENCE", r"> SMG_MAX) return SMG_NO_CONVERGENCE"),
+    (ALONE, r"> SMG_NEARLY \* size\) return SMG_NO_CONVERGENCE", r"> SMG_MAX) return SMG_NO_CONVERGENCE"),
 )
 
 # A lattice, a ring or a remainder that closes at the wrong place.

@@ -166,6 +166,110 @@ def test_a_field_that_jumps_is_no_constant_one():
     assert taken > 50
 
 
+EDGE = """
+[model]
+name = "edge"
+[space]
+w = { sphere = 2, radius = "10^(-10*i)" }
+[effects.edge]
+over = "site(i) of w"
+energy = "abs(w[i].x) + 0.7*w[i].z"
+"""
+
+
+def turned(w, field, h):
+    """(m, W) of a unit spin in a constant field: the closed form of smg_spin.h, k < 1."""
+    g = h / 2 * np.array(field)
+    k, d = g @ g, w @ g
+    rho = np.sqrt((1 - k + np.sqrt((1 - k) ** 2 + 4 * d * d)) / 2)
+    m = (rho * w + np.cross(w, g) + d / rho * g) / (rho**2 + k)
+    return m, 2 * rho * m - w
+
+
+def to_the_edge(w):
+    """The h of [0.01, 1.2] at which the midpoint comes to x = 0, where the field of x > 0 ends, or None."""
+    low, high = 0.01, 1.2
+    if turned(w, (1, 0, 0.7), high)[0][0] >= 0:
+        return None
+    for _ in range(60):
+        h = (low + high) / 2
+        low, high = (h, high) if turned(w, (1, 0, 0.7), h)[0][0] >= 0 else (low, h)
+    return low
+
+
+@pytest.mark.quick
+def test_a_small_site_at_an_edge_of_its_field():
+    """Steps that end within round-off of the edge: another evaluation may be on its other side, and is then no part of the step, however small the site is."""
+    model, dice, taken = smidgen.build(smidgen.load_text(EDGE)), np.random.default_rng(1), 0
+    for w in dice.normal(size=(60, 3)):
+        w = w * np.sign(w[0]) / np.linalg.norm(w)
+        found = to_the_edge(w)
+        for h in () if found is None else found * (1 + 2.2e-16 * np.arange(-4, 5)):
+            try:
+                after = model.start(np.array([[0.6, 0, 0.8], 1e-10 * w]), h=h).step().w[1] * 1e10
+            except RunError:
+                continue
+            taken += 1
+            assert min(np.abs(after - turned(w, (side, 0, 0.7), h)[1]).max() for side in (1, -1)) < 1e-12
+    assert taken > 20
+
+
+MIXED = """
+[model]
+name = "mixed"
+[space]
+{families}
+{effects}
+"""
+APART = {"v": ("sphere = 2", "pair(i, j) of v", "0.3*v[i].z*v[j].z - 0.5*v[i].x*v[j].x"), "w": ("sphere = 2", "site(i) of w", "0.2*w[i].x^4 + 0.1*w[i].y"),
+         "u": ("sphere = 1", "site(i) of u", "0.4*u[i].z")}
+
+
+def apart(*names):
+    families = "\n".join(f"{name} = {{ {APART[name][0]} }}" for name in names)
+    effects = "".join(f'[effects.of_{name}]\nover = "{APART[name][1]}"\nenergy = "{APART[name][2]}"\n' for name in names)
+    return smidgen.build(smidgen.load_text(MIXED.format(families=families, effects=effects)), solver="newton")
+
+
+def test_the_report_of_sites_that_are_solved_separately_is_that_of_the_one_that_takes_most():
+    """Sites that are solved together, by Newton's method each, and in closed form, which takes no iteration: none leaves its own for all."""
+    together, alone, model = apart("v"), apart("w"), apart("v", "w", "u")
+    v, w = np.array([[0.6, 0, 0.8], [0, 1.0, 0]]), np.array([[1.0, 0, 0], [0.28, 0.96, 0]])
+    u = np.array([[0, 0.6, 0.8]])
+    for h in np.linspace(0.02, 0.9, 12):
+        of = [one.start(start.copy(), h=h).step().report() for one, start in ((together, v), (alone, w), (alone, w[::-1]), (model, np.concatenate((v, w, u))))]
+        for number in ("iterations", "residual"):
+            assert of[1][number] == of[2][number]
+            assert of[3][number] == max(of[0][number], of[1][number])
+        assert of[3]["iterations"] > 0
+
+
+FOLLOWED = """
+[model]
+name = "followed"
+[space]
+v = { sphere = 1 }
+u = { sphere = 1, kappa = "k" }
+[parameters]
+k = 1e-300
+B = 1e150
+[effects.body]
+energy = "v[0].z^4 + v[0].x*v[0].y"
+[effects.field]
+energy = "B*u[0].z"
+"""
+
+
+@pytest.mark.quick
+def test_a_site_whose_field_is_not_finite_has_no_part_of_another_ones_curve():
+    """The curve of v is followed to its end; of u there is none."""
+    spec, w = smidgen.load_text(FOLLOWED), np.array([[0.6, 0, 0.8], [1.0, 0, 0]])
+    assert smidgen.build(spec, parameters={"k": 1.0, "B": 0.1}).start(w, h=0.65).step().report()["reached"] >= 1
+    with pytest.raises(RunError) as caught:
+        smidgen.build(spec).start(w, h=0.65).step()
+    assert caught.value.site == 1 and caught.value.reached == 0
+
+
 SCALED = """
 [model]
 name = "scaled"
