@@ -63,7 +63,7 @@ phi = 0.4
 """
 OWN_STEPS, EXTRAPOLATION = ("dop853", "dop853-projected"), "extrapolation-12"
 SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR),
-         "edge": smidgen.load_text(EDGE), "sites": smidgen.load_text(SITES), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
+         "edge": smidgen.load_text(EDGE), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
 
 
 def test_these_go_in_lanes():
@@ -149,7 +149,7 @@ def test_parameters_of_each_member(how, name, own):
 
 def test_one_number_of_a_member_stands_for_a_whole_array():
     """As in a call for one."""
-    spec, values = SPECS["sites"], np.array([[1.0], [5.0], [9.0]])
+    spec, values = smidgen.load_text(SITES), np.array([[1.0], [5.0], [9.0]])
     found = smidgen.ensemble(spec, parameters={"K": values}, h=0.1, steps=5)
     assert np.array_equal(found.w, smidgen.ensemble(spec, parameters={"K": np.repeat(values, 4, axis=1)}, h=0.1, steps=5).w)
     for k, value in enumerate(values[:, 0]):
