@@ -26,6 +26,7 @@ from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
 from .step.block import clean
 from .step.integrator import Integrator
+from .files.kinds import plain
 from .files.options import OPTIONS, SHORT
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
@@ -156,7 +157,9 @@ def averaging(model: Integrator, settings: Settings) -> Means | None:
 
 
 def _file_sink(out, model, settings, layout, place):
-    """The sink of a file: with checkpoints, or one that writes as the run goes."""
+    """The sink of a file: with checkpoints, or one that writes as the run goes. Raises UsageError for a start that files cannot tell."""
+    if not (settings.start is None or isinstance(settings.start, str)) and np.any(np.asarray(settings.start, float) != settings.start):
+        raise UsageError("the start has more digits than a double, and its file could not repeat the run: use start.astype(float), or no file")
     meta = describe(model, settings)
     if place or settings.checkpoint:
         return SafeSink(out, meta, layout, settings.checkpoint, place and place[0])
@@ -244,7 +247,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
     facts = {option.key: getattr(settings, option.name) for option in OPTIONS if option.kind}
     start, scene = settings.start, model.scene
     if not isinstance(start, str):
-        start = find_start(spec, None).name if start is None else np.asarray(start).tolist()
+        start = find_start(spec, None).name if start is None else plain(np.asarray(start))
     return {
         "program": "smidgen", "version": __version__, "generator": built.generator,
         "spec": spec.name, "title": spec.title, "digest": spec.digest,
@@ -258,9 +261,8 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
 
 
 def _plain(values: dict) -> dict:
-    """Values as JSON has them; floats keep all their digits."""
-    return {k: v.tolist() if isinstance(v, (np.ndarray, np.generic)) else v
-            for k, v in values.items()}
+    """Values as JSON has them."""
+    return {name: plain(value) for name, value in values.items()}
 
 
 def went_by_rows(model) -> bool | None:

@@ -21,7 +21,7 @@ from ..methods import NAMES as METHODS, SOLVERS
 from ..public import guess
 from .record.means import BINS
 from .step.integrator import Integrator, compiled
-from .step.prepared import Prepared, asked, checked_tolerance, choose, prepare
+from .step.prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
 from .step.evaluated import Evaluated
 
 _FORMULA = typing.get_args(Expr)
@@ -96,9 +96,9 @@ def settle(spec: Spec, run: str | None = None, *, start=None, method=None, solve
         number_of_steps(steps, time, h, env), interval(every, period, h), period,
         chosen_outputs(spec, tuple(what or base.what if averages is None and base.averages is None or what is None else what)),
         base.effects, parameters, numbers,
-        None if seed is None else whole(seed, "a seed"), real, native,
+        None if seed is None else whole(seed, "a seed"), real, None if native is None else bool(native),
         bool(base.substeps if substeps is None else substeps), cadence(checkpoint, base.checkpoint), None if estimate is None else bool(estimate),
-        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), threads,
+        None if tolerance is None and base.tolerance is None else checked_tolerance(base.tolerance if tolerance is None else tolerance), bool(fast), checked_threads(threads),
         averages_of(base.averages if averages is None else asked_averages(spec, averages), env))
 
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from fractions import Fraction
 from importlib import import_module
 from types import SimpleNamespace
 
@@ -75,6 +76,26 @@ def test_complex_numbers_are_refused_and_arrays_of_one_number_are_numbers(toy):
         smidgen.ensemble(toy, start=np.array([[[1, 0, 0]] * 3] * 2, complex), h=0.1, steps=2)
     one, other = (smidgen.run(toy, "demo", parameters={"J": value}) for value in (2.0, np.array(2.0)))
     assert np.array_equal(one.final, other.final) and other.meta["parameters"]["J"] == 2.0
+
+
+@pytest.mark.parametrize("given", [
+    {"parameters": {"J": Fraction(3, 2)}}, {"parameters": {"J": np.longdouble(1.5)}}, {"parameters": {"J": np.array(2), "n": np.int64(4)}}, {"parameters": {"shift": [np.int64(1), Fraction(1, 2)]}},
+    {"parameters": {"shift": range(2)}}, {"parameters": {"shift": np.array([1, 2], np.longdouble)}}, {"native": np.bool_(False)},
+    {"start": np.array([[0.5, 0, np.sqrt(0.75)]] * 3, np.longdouble)}, {"start": [[np.float32(0.5), Fraction(0), np.sqrt(0.75)]] * 3}])
+def test_numbers_of_any_kind_stand_in_a_file_that_repeats_the_run(toy, tmp_path, given):
+    result = smidgen.run(toy, "demo", out=tmp_path / "a.csv", keep=True, **given)
+    smidgen.repeat(tmp_path / "a.csv", out=tmp_path / "b.csv")
+    assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+    assert json.loads(json.dumps(result.meta)) == smidgen.load_result(tmp_path / "a.csv").meta
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps == np.finfo(float).eps, reason="long double is double here")
+def test_a_start_with_more_digits_than_a_file_has_is_refused_before_the_run(toy, tmp_path):
+    start = np.array([[np.longdouble("0.6"), 0, np.longdouble("0.8")]] * 3)
+    with pytest.raises(smidgen.UsageError, match="more digits than a double.*astype"):
+        smidgen.run(toy, "demo", start=start, out=tmp_path / "a.csv")
+    assert not (tmp_path / "a.csv").exists() and len(smidgen.run(toy, "demo", start=start).t) == 5
+    assert smidgen.run(toy, "demo", start=start.astype(float), out=tmp_path / "a.csv").meta["status"] == "complete"
 
 
 @pytest.mark.parametrize("given", [{"averages": []}, {"averages": "mz"}, {"parameters": [("J", 1.0)]}])

@@ -27,6 +27,7 @@ from ...read.given import time as time_of
 from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
 from ..files.durable import write_new
+from ..files.kinds import plain
 from ..record.means import BINS, Average, averages, numbers_of
 from ..record.statistics import Statistics
 from ..settings import Settings, model_of, number, settle, whole
@@ -121,11 +122,11 @@ class Job:
     def facts(self, spec, after) -> dict:
         """All that decides the averages."""
         s = self.settings
-        start = s.start.tolist() if isinstance(s.start, np.ndarray) else find_start(spec, s.start).name
+        start = plain(s.start) if isinstance(s.start, np.ndarray) else find_start(spec, s.start).name
         return {"program": "smidgen", "version": __version__, "generator": self.model.built.generator, "spec": spec.name, "title": spec.title,
                 "digest": spec.digest, "run": s.run, "effects": list(self.model.scene.effect_names), "start": start, "method": s.method, "solver": s.solver,
                 "h": s.h, "steps": s.steps, "every": s.every, "after": float(after), "seed": s.seed, "tolerance": s.tolerance, "members": self.members,
-                "bins": self.bins, "parameters": {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.model.parameters.items()},
+                "bins": self.bins, "parameters": {name: plain(value) for name, value in self.model.parameters.items()},
                 "what": list(self.names)}
 
     # A member

@@ -26,6 +26,7 @@ from .. import interrupts
 from .cluster import check, executor, lost
 from ..fields.field import Field
 from ..files.durable import write_new
+from ..files.kinds import plain
 from ..run import Interrupted, run
 from ..settings import model_of, settle, whole
 from ..step.real import real_array
@@ -135,7 +136,7 @@ def manifest(spec, name, axes, starts, seed, given) -> dict:
     """What decides the cells, as JSON has it."""
     facts = {"format": FORMAT, "generator": generator_name(), "spec": spec.name, "digest": spec.digest, "run": name, "axes": dict(axes), "starts": starts,
              "seed": seed, "choices": given}
-    return json.loads(json.dumps(facts, default=lambda x: x.tolist() if hasattr(x, "tolist") else list(x)))
+    return json.loads(json.dumps(facts, default=plain))
 
 
 def opened(folder: Path, wanted: dict) -> dict:
@@ -243,7 +244,7 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str 
     None: the workers of a cluster have been told to begin no more."""
     if generator_name() != generator:
         raise UsageError(f"a worker of the cluster has another version of smidgen: {generator_name()} instead of {generator}")
-    outcome = {"cell": cell.number, "parameters": cell.parameters, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
+    outcome = {"cell": cell.number, "parameters": {name: plain(value) for name, value in cell.parameters.items()}, "seed": cell.seed, "status": "complete", "error": None, "file": cell.file}
     with interrupts.raised():
         if workers.stopped(token):
             if token:

@@ -97,7 +97,7 @@ def checked_threads(threads) -> int | None:
     """Raises UsageError for what is no number of threads."""
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 1 <= threads <= MOST_THREADS):
         raise UsageError(f"threads must be a number from 1 to {MOST_THREADS}, not {threads}")
-    return threads
+    return None if threads is None else int(threads)
 
 
 def checked_tolerance(tolerance) -> float:
