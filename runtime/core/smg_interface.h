@@ -39,7 +39,7 @@ size_t SMG_PUBLIC(savesize)(const smg_model *model) {
   return smg_saved_size(smg_begin(&c, model, 0));
 }
 void SMG_PUBLIC(save)(const smg_state *s, smg_real *out) {
-  if (!s->w) out[SMG_SAVED_SIZE] = 0; /* which restore refuses */
+  if (!s->w || s->version == SMG_REFUSED) out[SMG_SAVED_SIZE] = 0; /* which restore refuses */
   else {
     smg_choose_own(&s->c);
     smg_move_saved(s, SMG_TO_LAYERS);

@@ -5,6 +5,8 @@
 #ifndef SMG_PARAMETERS_H
 #define SMG_PARAMETERS_H
 
+#include <string.h>
+
 #include "smg_leaf.h"
 #include "smg_respond.h"
 
@@ -57,6 +59,10 @@ static smg_status smg_check_sites(const smg_coefficients *c, const smg_coefficie
  * NULL: sizes and radii stay, for states of others are other states. */
 static smg_status smg_make_model(smg_model *model, const smg_params *p, const smg_model *before) {
   smg_coefficients c, old;
+  if (!p) {
+    memset(model, 0, sizeof *model);
+    return model->status = SMG_BAD_PARAMETER;
+  }
   smg_sizes(model, p);
   model->version = before ? before->version + 1 : 1;
   model->status = smg_check_sizes(model);

@@ -231,7 +231,7 @@ SMG_RARE static void smg_restore_head(smg_state *s, const smg_real *in) {
 
 SMG_RARE static smg_status smg_restore_state(smg_state *s, const smg_real *in) {
   int64_t site = 0;
-  const smg_status found = s->w ? smg_check_saved(&s->c, in, &site) : SMG_BAD_PARAMETER,
+  const smg_status found = s->w && in ? smg_check_saved(&s->c, in, &site) : SMG_BAD_PARAMETER,
                    status = smg_status_of_ranks(found, &site);
   if (status != SMG_OK) return status;
   const int64_t n3 = 3 * smg_sites(&s->c), from = 3 * smg_own_from(&s->c);

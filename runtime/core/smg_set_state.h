@@ -45,7 +45,7 @@ static void smg_go_on_from(smg_state *s, const smg_real *w) {
 static smg_status smg_check_going_on(smg_state *s, const smg_real *w, const smg_real *before) {
   s->report.partner = -1;
   smg_choose_own(&s->c);
-  s->report.status = s->w && (!smg_is_stale(s) || smg_may_begin(s))
+  s->report.status = s->w && w && (!smg_is_stale(s) || smg_may_begin(s))
                          ? smg_check_state(&s->c, w, before, SMG_OFF_SPHERE, &s->report.site)
                          : SMG_BAD_PARAMETER;
   return s->report.status = smg_status_of_ranks(s->report.status, &s->report.site);
@@ -55,12 +55,14 @@ static smg_status smg_check_going_on(smg_state *s, const smg_real *w, const smg_
  * A site that steps have moved off its sphere, as those of dop853 do, may be as far from it; all are put on their
  * spheres. w may be s->w itself, of which nothing is known but that. */
 static inline smg_status smg_set_state(smg_state *s, const smg_real *w) {
-  if (smg_check_going_on(s, w, w == s->w ? NULL : s->w) == SMG_OK) smg_go_on_from(s, w);
+  const smg_real *before = w == s->w || s->version == SMG_REFUSED ? NULL : s->w;
+  if (smg_check_going_on(s, w, before) == SMG_OK) smg_go_on_from(s, w);
   return s->report.status;
 }
 
 /* The state goes on from w with the new parameters, or says why it cannot: a Nambu site may be at C(w) = 0 now. */
 SMG_COLD static int smg_renew(smg_state *s) {
+  if (s->version == SMG_REFUSED) return 0;
   if (smg_check_going_on(s, s->w, s->w) == SMG_OK) smg_go_on_from(s, s->w);
   return s->report.status == SMG_OK;
 }

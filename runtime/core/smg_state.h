@@ -248,6 +248,10 @@ static inline int smg_may_begin(smg_state *s) {
 #define smg_may_begin(s) 1
 #endif
 
+/* Of a state whose start was refused, in place of the version of its parameters: a step is refused as the start was,
+ * until there is another w. */
+#define SMG_REFUSED UINT64_MAX
+
 static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *mem, const smg_real *w, double t0,
                                   double h) {
   smg_blank(s, model, t0, h);
@@ -255,13 +259,14 @@ static smg_status smg_begin_state(smg_state *s, const smg_model *model, void *me
   if (s->report.status != SMG_OK) return s->report.status;
   smg_choose_own(&s->c);
   s->report.status = smg_status_of_ranks(
-      model->version && mem && smg_may_begin(s) && smg_may_cut(&s->c) ? SMG_OK : SMG_BAD_PARAMETER, &s->report.site);
+      model->version && mem && w && smg_may_begin(s) && smg_may_cut(&s->c) ? SMG_OK : SMG_BAD_PARAMETER,
+      &s->report.site);
   if (s->report.status != SMG_OK) return s->report.status;
   smg_begin_arrays(s, (smg_real *)mem, 0);
   s->report.status =
       smg_status_of_ranks(smg_check_state(&s->c, w, NULL, SMG_OFF_SPHERE, &s->report.site), &s->report.site);
   if (s->report.status == SMG_OK) smg_put_state(s, w);
-  else --s->version; /* a step looks at w first, as where parameters are others */
+  else s->version = SMG_REFUSED;
   return s->report.status;
 }
 

@@ -55,7 +55,7 @@ static int64_t smg_begin_ensemble(smg_ensemble *e, const smg_model *model, int o
   e->own = own;
   for (int64_t k = 0; k < e->members; ++k) {
     const smg_model *its = smg_model_of(model, own, k);
-    if (smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w + 3 * sites * k, t0, h);
+    if (smg_sites_of(its) == sites) (void)smg_begin_state(e->member + k, its, at, w ? w + 3 * sites * k : NULL, t0, h);
     else smg_blank(e->member + k, its, t0, h); /* with SMG_BAD_PARAMETER */
 #if SMG_THERMAL
     e->member[k].member = (uint32_t)k;

@@ -38,6 +38,10 @@ int main(void) {{
   void *mem = malloc({name}_memsize(&model));
   w[2] = 2;
   if ({name}_init(&s, &model, mem, w, 0, 0.01) != SMG_OFF_MANIFOLD || {name}_step(&s) != SMG_OFF_MANIFOLD || s.count != 0) return 5;
+  room[0] = 1;
+  {name}_save(&s, room);
+  w[2] = 1.5;
+  if (room[0] != 0 || {name}_set_state(&s, w) != SMG_OFF_MANIFOLD || {name}_step(&s) != SMG_OFF_MANIFOLD) return 9;
   w[2] = 1;
   if ({name}_set_state(&s, w) != SMG_OK || {name}_step(&s) != SMG_OK || s.count != 1) return 6;
   const smg_status without = {name}_tangent(&s, v, 0, NULL);
@@ -45,6 +49,11 @@ int main(void) {{
   static const {name}_model none;
   {name}_state other;
   if ({name}_init(&other, &none, mem, w, 0, 0.01) != SMG_BAD_PARAMETER || !refuses(&other, w, room, v)) return 8;
+  if ({name}_init(&other, &model, room, NULL, 0, 0.01) != SMG_BAD_PARAMETER || !refuses(&other, w, room, v)) return 10;
+  if ({name}_set_state(&s, NULL) != SMG_BAD_PARAMETER || {name}_restore(&s, NULL) != SMG_BAD_PARAMETER || {name}_step(&s) != SMG_OK || s.count != 2) return 11;
+  if ({name}_set_parameters(&model, NULL) != SMG_BAD_PARAMETER || {name}_step(&s) != SMG_OK || s.count != 3) return 12;
+  {name}_model unknown;
+  if ({name}_model_init(&unknown, NULL) != SMG_BAD_PARAMETER || {name}_init(&other, &unknown, room, w, 0, 0.01) != SMG_BAD_PARAMETER || !refuses(&other, w, room, v)) return 13;
   free(mem);
   free(room);
   free(w);
@@ -62,6 +71,7 @@ int main(void) {{
   if ({name}_ensemble_steps(&e, 0, 5, 1) != 5) return 2;
   if ({name}_ensemble_init(&e, &model, 0, 5, NULL, w, 0, 0.01) != 5 || {name}_ensemble_steps(&e, 0, 5, 1) != 5 || {name}_ensemble_steps(&e, 0, 0, 1) != 0) return 3;
   void *mem = malloc({name}_ensemble_memsize(&model, 0, 5));
+  if ({name}_ensemble_init(&e, &model, 0, 5, mem, NULL, 0, 0.01) != 5 || {name}_ensemble_steps(&e, 0, 5, 1) != 5) return 8;
   if ({name}_ensemble_init(&e, &model, 0, 5, mem, w, 0, 0.01) != 0) return 4;
   if ({name}_ensemble_steps(&e, 3, 3, 1) != 3 || {name}_ensemble_steps(&e, -1, 2, 1) != 2 || {name}_ensemble_steps(&e, INT64_MAX, 1, 1) != 1) return 5;
   for (int k = 0; k < 5; ++k)
@@ -120,6 +130,39 @@ def test_a_state_without_memory_is_refused(tmp_path, of):
     write_files({**generate(spec, features=("tangent",)), "main.c": MAIN.format(name=spec.name)}, tmp_path)
     status, said = run_sanitized(tmp_path, [f"{spec.name}.c", "main.c"])
     assert status == 0, said[:3000]
+
+
+REFUSED = """
+#include "{name}.h"
+#include <stdlib.h>
+int main(void) {{
+""" + BEGIN + """  smg_real *w = (smg_real *)calloc(n, sizeof *w), *room = (smg_real *)malloc({name}_savesize(&model) * sizeof *room);
+  void *mem = malloc({name}_memsize(&model));
+  {name}_state s, other;
+  if ({name}_init(&other, &model, malloc({name}_memsize(&model)), w, 0, 0.01) != SMG_OK) return 2;
+  w[4] = NAN;
+  if ({name}_init(&s, &model, mem, w, 0, 0.01) != SMG_NOT_FINITE || s.report.site != 1) return 3;
+  if ({name}_step(&s) != SMG_NOT_FINITE || {name}_steps(&s, 2) != SMG_NOT_FINITE || s.count != 0) return 4;
+  {name}_save(&s, room);
+  if ({name}_restore(&other, room) != SMG_BAD_PARAMETER || {name}_step(&other) != SMG_OK) return 5;
+  if ({name}_set_parameters(&model, &p) != SMG_OK || {name}_step(&s) != SMG_NOT_FINITE) return 6;
+  {name}_save(&other, room);
+  if ({name}_restore(&s, room) != SMG_OK || {name}_step(&s) != SMG_OK || s.count != 2) return 7;
+  free(other.w);
+  free(mem);
+  free(room);
+  free(w);
+  return 0;
+}}
+"""
+
+
+def test_a_state_whose_start_was_refused_takes_no_step(tmp_path):
+    """0 is a vector of R^3, but no one's start: there is none until a w or a saved state is given."""
+    spec = smidgen.load_text(BODY.replace("sphere = 1", "r3 = 2"))
+    write_files({**generate(spec), "main.c": REFUSED.format(name=spec.name)}, tmp_path)
+    status, said = run_sanitized(tmp_path, [f"{spec.name}.c", "main.c"])
+    assert status == 0, (status, said[:3000])
 
 
 @pytest.mark.parametrize("of", ["one", "heisenberg_chain"])
