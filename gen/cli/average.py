@@ -1,13 +1,13 @@
 """`smidgen average`: means over time and members, with their errors."""
 from __future__ import annotations
 
-from .options import chosen, json_option, model_options, run_option, spec_argument, start_of, whole
+from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen average hot.toml --after 50 --out hot.json
   smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json
   smidgen average hot.toml --what mz,energy --time 20 --after 10 --members 1000 --out hot.json   continues where it stopped"""
-CHOICES = ("method", "solver", "h", "steps", "time", "every", "what", "effects", "seed", "tolerance")
+CHOICES = ("method", "solver", "h", "steps", "time", "every", "period", "what", "effects", "seed", "native", "tolerance")
 
 
 def add(commands):
@@ -15,12 +15,14 @@ def add(commands):
     parser = commands.add("average", command, "average observables over time and over members: mean, variance, standard error, histogram", EXAMPLES)
     spec_argument(parser)
     model_options(parser)
-    for name in ("h", "start", "seed", "every", "tolerance"):
+    for name in ("h", "start", "seed", "tolerance"):
         run_option(parser, name)
     run_option(parser, "what", help="quantities to average: energy, energy.EFFECT, momentum.FAMILY.x, or names of observables (default: the energy and all observables)")
-    long = parser.add_mutually_exclusive_group()
-    for name in ("steps", "time"):
-        run_option(long, name)
+    for pair in (("steps", "time"), ("every", "period")):
+        one = parser.add_mutually_exclusive_group()
+        for name in pair:
+            run_option(one, name)
+    processor_options(parser)
     parser.add_argument("--after", default=None, metavar="TIME", help="time of the first sample (default: that of the run's averages, otherwise 0)")
     parser.add_argument("--members", type=whole, default=1, metavar="N", help="number of trajectories, each with its own noise (default: 1)")
     parser.add_argument("--bins", type=whole, default=None, metavar="N", help="largest number of bins in a histogram (default: that of the run's averages, otherwise 64)")

@@ -32,16 +32,20 @@ def add(commands):
         run_option(parser, name, choices=None)
     for name in ("effects", "start", "h"):
         run_option(parser, name)
-    long = parser.add_mutually_exclusive_group()
-    for name in ("steps", "time"):
-        run_option(long, name)
-    for name in ("every", "what"):
+    for pair in (("steps", "time"), ("every", "period")):
+        one = parser.add_mutually_exclusive_group()
+        for name in pair:
+            run_option(one, name)
+    for name in ("what", "tolerance", "substeps"):
         run_option(parser, name)
     processor_options(parser)
+    for name in ("fast", "threads", "real"):
+        run_option(parser, name)
+    parser.add_argument("--estimate", action="store_const", const=True, help="repeat each cell with larger and smaller steps to estimate its error")
     json_option(parser)
 
 
-CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "what")
+CHOICES = ("method", "solver", "effects", "h", "steps", "time", "every", "period", "what", "tolerance", "substeps", "fast", "threads", "real", "estimate")
 
 
 def axis(text: str):

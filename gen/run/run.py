@@ -26,7 +26,7 @@ from .files.elsewhere import Elsewhere, ElsewhereSafe
 from .estimate import end_error
 from .step.block import clean
 from .step.integrator import Integrator
-from .files.kinds import plain
+from .files.plain import plain
 from .files.options import OPTIONS, SHORT
 from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise

@@ -243,6 +243,7 @@ def test_the_command(tmp_path, capsys):
     assert main(words) == 0
     out = capsys.readouterr().out
     assert "303 samples of 3 members" in out and "standard error" in out
+    assert main([*words[:-2], "--period", "0.5", "--portable"]) == 0 and "63 samples of 3 members" in capsys.readouterr().out
     assert main([*words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["averages"]["mz"]["mean"] == smidgen.load_averages(tmp_path / "m.json")["mz"].mean
 

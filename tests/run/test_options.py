@@ -29,6 +29,13 @@ def test_python_has_the_choices_of_the_list():
     assert {f.name for f in dataclasses.fields(Settings)} == NAMES - {"time"} | {"run", "numbers"}
 
 
+@pytest.mark.parametrize("name, other", [("run", {"averages", "keep", "progress"}), ("sweep", {"parameters", "tell"}), ("average", {"progress"})])
+def test_python_and_the_command_have_the_same(name, other):
+    """But what is no text; a sweep has its parameters in `axes`."""
+    assert keywords(getattr(smidgen, name)) - options_of(name).keys() == other
+    assert {"every", "period", "tolerance", "native"} <= options_of(name).keys()
+
+
 def test_the_metadata_have_those_that_say_of_what_kind_they_are():
     told = {option.key for option in OPTIONS if option.kind}
     meta = smidgen.run(smidgen.load("free_rigid_body"), steps=2).meta

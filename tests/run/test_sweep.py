@@ -14,7 +14,9 @@ import smidgen
 from smidgen.language import limits
 from smidgen.run import interrupts
 from smidgen.run.many import sweep as module
+from smidgen.run.files.checkpoint import Folder
 from smidgen.run.many.sweep import sweep
+from support import crash
 
 SPEC = """
 [model]
@@ -71,6 +73,17 @@ def test_every_cell_is_its_run(command, path):
             k += 1
 
 
+def test_the_command_takes_the_choices_of_a_run(command, path):
+    folder = path.parent / "cells"
+    words = ["sweep", path, "one", "--set", "a=0.3:0.3:1", "--steps", 6, "--period", 0.3, "--tolerance", 1e-3, "--substeps", "--real", "long double", "--estimate", "--out", folder]
+    said = command(*words)
+    assert said.returncode == 0, said.stderr
+    wanted = smidgen.run(path, "one", parameters={"a": 0.3}, steps=6, period=0.3, tolerance=1e-3, substeps=True, real="long double", estimate=True)
+    found = smidgen.load_result(folder / "cell-0.npz")
+    assert found.step.tolist() == [0, 3, 6] and np.array_equal(found.final, wanted.final) and found.meta == json.loads(json.dumps(wanted.meta))
+    assert command(*words, "--every", 2).returncode == 2
+
+
 def test_names_may_come_from_a_generator(path, tmp_path):
     found = sweep(path, out=tmp_path / "out", axes={"b": np.array([0.5, 1.0])}, what=(name for name in ["energy"]), effects=iter(["only"]), processes=1)
     assert [cell["status"] for cell in found] == ["complete"] * 2
@@ -118,6 +131,21 @@ def test_a_sweep_that_is_killed_goes_on(path):
     assert len(whole) == 40
     for k in (0, 20, 39):
         assert np.array_equal(*(smidgen.load_result(path.parent / place / f"cell-{k}.npz").final for place in ("cells", "whole")))
+
+
+def test_cells_with_checkpoints_go_on_from_them(path):
+    """Of a run with checkpoints in its spec: a sweep that was killed has left some."""
+    spec, axes = smidgen.load_text(SPEC.replace("[runs.demo]", "[runs.demo]\ncheckpoint = 5")), {"b": [1.0, 2.0]}
+    whole, folder = path.parent / "whole", path.parent / "cells"
+    told = sweep(spec, out=whole, axes=axes, processes=1)
+    folder.mkdir()
+    (folder / "manifest.json").write_bytes((whole / "manifest.json").read_bytes())
+    crash.forked(lambda: crash.Deadly(25) and smidgen.run(spec, parameters={"b": 2.0}, out=folder / "cell-1.npz"))
+    assert Folder(folder / "cell-1.npz").parts("state")[-1].number in (5, 10, 15)
+    assert sweep(spec, out=folder, axes=axes, processes=1) == told
+    for file in ("cell-0.npz", "cell-1.npz"):
+        assert (folder / file).read_bytes() == (whole / file).read_bytes()
+    assert sorted(os.listdir(folder)) == sorted(os.listdir(whole))
 
 
 def test_a_process_that_is_killed_is_told(path, monkeypatch):

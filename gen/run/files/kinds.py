@@ -1,10 +1,7 @@
-"""What a value of the metadata may be: functions that say whether one is of a kind; and values as JSON has them."""
+"""What a value of the metadata may be: functions that say whether one is of a kind."""
 from __future__ import annotations
 
-import numbers
 import sys
-
-import numpy as np
 
 from ...language import limits
 
@@ -59,17 +56,6 @@ def triple(value) -> bool:
 def source(value) -> bool:
     """A file of the spec: its name and its text."""
     return listed(text)(value) and len(value) == 2
-
-
-def plain(value):
-    """A number, a text, or a list of these, as JSON has it: numbers of numpy, of sympy, fractions are the int or the double that a run takes them for."""
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, np.ndarray) or np.ndim(value):
-        return plain(np.asarray(value).tolist())
-    if value is None or isinstance(value, (str, int, float)):
-        return value
-    return int(value) if isinstance(value, numbers.Integral) else float(value)
 
 
 VALUE = either(number, text, listed(either(number, text)))

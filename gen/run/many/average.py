@@ -27,7 +27,7 @@ from ...read.given import time as time_of
 from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
 from ..files.durable import write_new
-from ..files.kinds import plain
+from ..files.plain import plain
 from ..record.means import BINS, Average, averages, numbers_of
 from ..record.statistics import Statistics
 from ..settings import Settings, model_of, number, settle, whole
@@ -63,7 +63,7 @@ class Averages:
 @spec_or_name
 def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray | None = None, method: str | None = None, solver: str | None = None,
             h: float | str | None = None, steps: int | None = None, time: float | str | None = None, every: int | None = None,
-            what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
+            period: float | str | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None, parameters: Mapping[str, object] | None = None,
             seed: int | None = None, native: bool | None = None, tolerance: float | None = None, after: float | str | None = None, members: int = 1, bins: int | None = None,
             out: str | os.PathLike | None = None, progress: Callable[[int], object] | None = None) -> Averages:
     """Compute averages over time, and over members that differ in their thermal noise.
@@ -80,7 +80,7 @@ def average(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray |
     :raises UsageError: for an argument that does not fit.
     :raises RunError: if a step fails.
     """
-    settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, effects=effects,
+    settings = settle(spec, run, start=start, method=method, solver=solver, h=h, steps=steps, time=time, every=every, period=period, effects=effects,
                       parameters=parameters, seed=seed, native=native, tolerance=tolerance)
     said = settings.averages or {}
     after = said.get("after", 0.0) if after is None else number(time_of(after, "after", spec) if isinstance(after, str) else after, settings.numbers.values, "after")

@@ -25,8 +25,10 @@ from . import cluster as workers
 from .. import interrupts
 from .cluster import check, executor, lost
 from ..fields.field import Field
+from ..files.checkpoint import Folder, folder_of
 from ..files.durable import write_new
-from ..files.kinds import plain
+from ..files.plain import plain
+from ..resume import resume
 from ..run import Interrupted, run
 from ..settings import model_of, settle, whole
 from ..step.real import real_array
@@ -251,13 +253,21 @@ def one(spec, name, cell: Cell, folder: Path, given, generator: str, token: str 
                 return None
             raise KeyboardInterrupt
         try:
-            run(spec, name, out=folder / cell.file, keep=False, seed=cell.seed, **{**given, "parameters": {**given.get("parameters", {}), **cell.parameters}})
+            to_its_end(spec, name, cell, folder / cell.file, given)
         except Interrupted:
             workers.stop()
             raise KeyboardInterrupt from None
         except (RunError, UsageError) as error:
             outcome |= {"status": "failed", "error": str(error), "file": cell.file if (folder / cell.file).exists() else None}
     return outcome
+
+
+def to_its_end(spec, name, cell: Cell, out: Path, given) -> None:
+    """The run of a cell; where its run makes checkpoints, and was killed, the rest of it."""
+    if folder_of(out).is_dir() and Folder(out).parts("run"):
+        resume(out)
+    else:
+        run(spec, name, out=out, keep=False, seed=cell.seed, **{**given, "parameters": {**given.get("parameters", {}), **cell.parameters}})
 
 
 def _processes(processes, cells: int) -> int:
