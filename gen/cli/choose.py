@@ -1,6 +1,8 @@
 """`smidgen choose`: a method and a step for an accuracy."""
 from __future__ import annotations
 
+import json
+import tomllib
 from pathlib import Path
 
 from ..errors import UsageError
@@ -47,6 +49,7 @@ def command(args):
 
 def written(spec, args, choice) -> Path:
     """The text of the spec with a run `chosen` at its end."""
+    from ..run.files.durable import write_new
     path = Path(args.out)
     if len(spec.sources) != 1:
         raise UsageError("--out needs a spec that is a single file, but this one includes others")
@@ -55,11 +58,25 @@ def written(spec, args, choice) -> Path:
     if args.parameters or args.effects or args.seed is not None or args.start is not None:
         raise UsageError("--out adds a run to the spec and cannot be combined with --set, --effects, --seed or --start")
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
-    start = f'start = "{base.start}"\n' if base is not None and base.start else ""
-    row = choice.row
-    tolerance = f"tolerance = {choice.settings['tolerance']!r}\n" if "tolerance" in choice.settings else ""
     try:
-        path.write_text(f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{start}method = \"{row.method}\"\nh = {row.h!r}\nsteps = {row.steps}\n{tolerance}", encoding="utf-8")
+        write_new(path, f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{run_text(spec, base, choice)}".encode())
     except OSError as problem:
         raise UsageError(f"cannot write {path}: {problem.strerror}") from None
     return path
+
+
+def run_text(spec, base, choice) -> str:
+    """The keys of the run: what was chosen, for the start, the effects and the values of the run that was measured."""
+    from ..language.units import TIME
+    row, unit = choice.row, f" {spec.units.spelt(TIME)}" if spec.units else ""
+    keys = {"start": base and base.start, "effects": base and base.effects, "method": row.method, "h": f"{row.h!r}{unit}" if unit else row.h, "steps": row.steps,
+            "tolerance": choice.settings.get("tolerance")}
+    lines = [f"{key} = {json.dumps(value)}\n" for key, value in keys.items() if value]
+    values = set_in(tomllib.loads(spec.sources[0][1])["runs"], base.name) if base else {}
+    return "".join(lines) + (f"set = {{ {', '.join(f'{name} = {json.dumps(value)}' for name, value in values.items())} }}\n" if values else "")
+
+
+def set_in(runs: dict, name: str) -> dict:
+    """The values that a run sets, as they are written; those of a run that it is like come first."""
+    run = runs[name]
+    return {**(set_in(runs, run["like"]) if "like" in run else {}), **run.get("set", {})}

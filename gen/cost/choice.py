@@ -270,6 +270,6 @@ def broken_even(choice: Choice) -> list[str]:
         said = "  it is already compiled, so it is faster from the first step than {}, which takes {} times as long for this error"
         return [said.format(label(beside.method), f"{beside.seconds / row.seconds:.3g}")] if beside is not None and beside.seconds > row.seconds else []
     found = [(label(beside.method), steps_until_even(row, beside, True))] if beside is not None else []
-    found += [(f"{label(choice.others[0].method)}, already compiled,", steps_until_even(row, choice.others[0], True))] if choice.others else []
+    found += [(f"{label(choice.others[0].method)}, already compiled", steps_until_even(row, choice.others[0], True))] if choice.others else []
     said = [f"compared with {name}, this pays off after {steps:.2g} steps" for name, steps in found if steps < math.inf]
     return [f"  compilation took {duration(row.compiled)} of processor time: {'; '.join(said)}"] if said else []

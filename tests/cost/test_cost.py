@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import smidgen
+from smidgen.cli.choose import written
 from smidgen.build.binary import find_compiler, lanes_of
 from smidgen.check.witness import Witness
 from smidgen.cost import measured as measured_facts
@@ -28,6 +29,7 @@ from smidgen.cost.report import Cost, load_cost
 from smidgen.cost.measure.sweep import Row, parts, slope
 from smidgen.errors import RunError, UsageError
 from smidgen.methods import METHODS
+from smidgen.run.settings import settle
 from smidgen.read.load import load_text
 from smidgen.run.estimate import TOLERANCE
 from smidgen.run.settings import settle
@@ -231,6 +233,54 @@ def test_a_choice_by_energy():
 def test_what_cannot_be_asked_for_is_refused(asked, said):
     with pytest.raises(UsageError, match=said):
         smidgen.choose(smidgen.load("free_rigid_body"), **asked)
+
+
+CHOSEN = """
+[model]
+name = "chosen"
+[units]
+energy = "meV"
+time = "ps"
+[space]
+w = { sphere = 3, kappa = "1 hbar" }
+[parameters]
+B = { default = "1 meV" }
+D = { default = ["1 meV", "1 meV", "1 meV"], size = 3 }
+[effects.field]
+over = "site(i) of w"
+energy = "B*w[i].x"
+[effects.axes]
+over = "site(i) of w"
+energy = "D[i]*w[i].z^2"
+[effects.more]
+over = "site(i) of w"
+energy = "B*w[i].y^2"
+[starts.any]
+random = 1
+[runs.first]
+start = "any"
+h = "1 fs"
+time = "1 ps"
+without = ["more"]
+set = { B = "2 meV", D = ["1 meV", "3 meV", "5 meV"] }
+[runs.other]
+like = "first"
+set = { B = "0.25 eV" }
+"""
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("run", [None, "other"])
+def test_the_chosen_run_is_one_of_the_same_model(tmp_path, run):
+    """The effects and the values of the run that was measured, in the units of the spec."""
+    spec, out = smidgen.load_text(CHOSEN), tmp_path / "chosen.toml"
+    args = SimpleNamespace(out=out, run=run, parameters={}, effects=None, seed=None, start=None)
+    row = SimpleNamespace(method="gauss-4", h=0.0625, steps=16)
+    written(spec, args, SimpleNamespace(row=row, settings={"tolerance": 1e-5}))
+    base, mine = settle(spec, run), settle(smidgen.load(out), "chosen")
+    assert (mine.method, mine.h, mine.steps, mine.tolerance, mine.start) == ("gauss-4", 0.0625, 16, 1e-5, "any")
+    assert mine.effects == base.effects == ("field", "axes")
+    assert all(np.array_equal(mine.numbers.values[name], base.numbers.values[name]) for name in "BD")
 
 
 @pytest.mark.long
