@@ -16,6 +16,7 @@ from .values import ValueReader
 
 KEYS = ("start", "method", "h", "time", "steps", "effects", "without", "set", "solver", "output", "meaning",
         "checkpoint", "substeps", "tolerance", "averages")
+OUTPUT, AVERAGES = ("every", "period", "what"), ("what", "after", "bins")
 
 
 class RunReader:
@@ -35,7 +36,7 @@ class RunReader:
         return tuple(runs)
 
     def run(self, node: Node) -> Run:
-        node.table(*KEYS)
+        node.table(*KEYS, output=OUTPUT, averages=AVERAGES)
         name, start, method, h, length, output, effects, solver, values, said, safety = self.problems.together(
             lambda: identifier(self.problems, node.key, node.name, "run"), lambda: self.start(node),
             lambda: self.word(node, "method", METHODS), lambda: self.step(node), lambda: self.duration(node),
@@ -55,7 +56,7 @@ class RunReader:
         return self.given(node, checkpoint=lambda child: child.integer(1, limits.EVERY), substeps=Node.flag, tolerance=self.tolerance, averages=self.averages)
 
     def averages(self, node: Node) -> Averages:
-        node.table("what", "after", "bins")
+        node.table(*AVERAGES)
         return Averages(**self.given(node, what=self.averaged, bins=lambda child: child.integer(2, limits.LIST),
                                      after=lambda child: self.formulas.free(child, "the time of the first sample", wanted=TIME)))
 
@@ -151,7 +152,7 @@ class RunReader:
         rows = {"what": ()} if node.has("averages") else {}
         if not node.has("output"):
             return rows
-        out = node.get("output").table("every", "period", "what")
+        out = node.get("output").table(*OUTPUT)
         if out.has("every") and out.has("period"):
             self.problems.fail(codes.CONFLICT, out.get("every").key,
                                "`every` and `period` exclude each other", "keep one of them")

@@ -52,18 +52,21 @@ class Node:
 
     # Tables
 
-    def table(self, *keys: str) -> "Node":
-        """This node as a table whose keys are all among `keys` (any, when none given)."""
+    def table(self, *keys: str, **within: tuple[str, ...]) -> "Node":
+        """This node as a table whose keys are all among `keys` (any, when none given). within: the keys of its own tables, by their names."""
         if not isinstance(self.raw, dict):
             self.wrong(codes.TYPE, f"`{self.label}` must be a table, not {describe(self.raw)}",
                        "write `[section]` or `name = { key = value }`")
         for child in list(self.items()) if keys else ():
             if child.name not in keys and child.raw is not LOST:
-                self.misnamed(child, keys)
+                self.misnamed(child, keys, within)
         return self
 
-    def misnamed(self, child: "Node", keys) -> None:
-        """Report a key that is none of `keys`, and go on as if it were the one that was meant."""
+    def misnamed(self, child: "Node", keys, within) -> None:
+        """Report a key that is none of `keys`, and go on as if it were the one that was meant; of one that belongs to a table, say so."""
+        if home := next((name for name, inner in within.items() if child.name in inner), None):
+            self.problems.note(codes.UNKNOWN_KEY, child.key, f"`{self.label}` has no key `{child.name}`", f"it belongs to `{home}`: write `{home} = {{ {child.name} = ... }}`")
+            return
         new, where = now(child.name, KEYS, keys), f"`{self.label}` has no key" if self.path else "a spec has no section"
         if not (new and self.problems.recorded):
             self.problems.note(codes.UNKNOWN_KEY, child.key, f"{where} `{child.name}`",

@@ -193,7 +193,7 @@ def multiple(duration: float, h: float, what: str) -> int:
     if duration < 0 < h:
         raise UsageError(f"{what} is {duration:g}: to run backward, use a negative h")
     duration, h = abs(duration), abs(h)
-    n = round(duration / h)
+    n = round(min(duration / h, 2.0 * limits.STEPS))        # which may be infinite
     if n > limits.STEPS:
         raise UsageError(f"{what} of {duration:g} takes more than {limits.STEPS} steps")
     if abs(n * h - duration) <= limits.MULTIPLE * duration:

@@ -39,7 +39,9 @@ pytestmark = pytest.mark.quick
     ('"B*w[i].z"', '"B*(w[i].z + (1 + 2"', "character 13 of the formula is not closed; 2 brackets are not closed: write `))`"),
     ('"B*w[i].z"', '"w[i"', "`[` at character 2 of the formula"), ('"B*w[i].z"', '"2 t*w[i].z"', "`2*t`"), ('"B*w[i].z"', '"B t"', "`B*t`"),
     ('"B*w[i].z"', '"w[i].z*cosine(t)"', "= write `cos`"), ('"B*w[i].z"', '"w[i].z*cosinus(t)"', "= write `cos`"), ("B = 1.0", "B = [0, 0, 1]", "write `B = { default = [..], vector = true }`"), ("B = 1.0", "B = [0, 1]", "write `B = { default = [..], size = 2 }`"),
-    ('"B*w[i].z"', '"w[i].z*cos B*t"', "write `cos(..)`, with all of its argument in the parentheses"), ('"B*w[i].z"', '"B*w[i].z -"', "= the formula ends here")])
+    ('"B*w[i].z"', '"w[i].z*cos B*t"', "write `cos(..)`, with all of its argument in the parentheses"), ('"B*w[i].z"', '"B*w[i].z -"', "= the formula ends here"),
+    ("time = 1", "time = 1\nevery = 10", "it belongs to `output`: write `output = { every = ... }`"), ("time = 1", "time = 1\nafter = 10", "it belongs to `averages`"),
+    ("time = 1", "time = 1\nwhat = ['energy']", "it belongs to `output`")])
 def test_a_hint_says_what_to_write(old, new, said):
     with pytest.raises(SmidgenError) as refused:
         load_text(TEXT.replace(old, new))

@@ -236,6 +236,15 @@ def test_files_that_are_none(tmp_path):
 
 
 @quick
+def test_a_file_that_cannot_be_is_told_before_the_first_member(tmp_path):
+    seen = []
+    for place in (tmp_path, tmp_path / "nowhere" / "a.json"):
+        with pytest.raises(smidgen.errors.OutputError, match="cannot write"):
+            smidgen.average(smidgen.load_text(SPIN), time=1, out=place, progress=seen.append)
+    assert not seen
+
+
+@quick
 def test_the_command(tmp_path, capsys):
     from smidgen.cli import main
     (tmp_path / "spin.toml").write_text(SPIN)

@@ -71,6 +71,12 @@ def test_a_dataframe_has_the_columns_of_a_csv(one, tmp_path):
     assert np.array_equal(frame.index, one.t) and frame["step"].tolist() == [0, 2, 4, 6]
 
 
+def test_a_result_whose_outputs_are_in_its_file_alone_is_an_empty_table(tmp_path):
+    found = smidgen.run("vortex_tracers", steps=2, out=tmp_path / "a.npz")
+    frame = found.to_dataframe()
+    assert len(frame) == 0 and frame.index.name == "t" and found.to_xarray().sizes["t"] == 0
+
+
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
 def test_netcdf_readers_open_an_h5(one, tmp_path, engine):
     xarray = pytest.importorskip("xarray")

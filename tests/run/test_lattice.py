@@ -73,6 +73,9 @@ def test_the_correlation_is_the_sum_that_it_stands_for():
     direct = [[np.mean(np.sum(a * np.roll(a, (-y, -x), (0, 1)), -1)) for x in range(5)] for y in range(3)]
     np.testing.assert_allclose(smidgen.lattice.correlation(np.stack([w, w]), grid), [direct, direct], atol=1e-14)
     np.testing.assert_allclose(smidgen.lattice.magnetisation(w), w.mean(axis=0), atol=1e-15)
+    for wrong in (w[0], w[:, :2], w[:0], 3.0, "w"):
+        with pytest.raises(smidgen.UsageError, match=r"states must have shape \(.., N, 3\), not"):
+            smidgen.lattice.magnetisation(wrong)
     with pytest.raises(smidgen.UsageError, match="periodic"):
         smidgen.lattice.correlation(w, Grid((5, 3), (True, False)))
 

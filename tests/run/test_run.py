@@ -230,7 +230,7 @@ def test_the_edge_of_a_multiple(relative, good):
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),
     ({"steps": 2.5}, "integer"), ({"seed": -1}, "seed"), ({"every": "2"}, "every"),
     ({"h": "q"}, "h:1:1"), ({"h": "w"}, "h:1:1"), ({"h": "1/0"}, "finite|zero"), ({"h": [1]}, "number"),
-    ({"time": 1e300}, "more than"), ({"period": 0.0}, "the period must be a multiple of h .* and not 0"), ({"period": "0*pi"}, "the period must be")])
+    ({"time": 1e300}, "more than"), ({"time": 1e300, "h": 1e-300}, "more than"), ({"period": 0.0}, "the period must be a multiple of h .* and not 0"), ({"period": "0*pi"}, "the period must be")])
 def test_wrong_settings(toy, given, said):
     with pytest.raises(smidgen.UsageError, match=said):
         smidgen.run(toy, given.pop("name", "demo"), **given)
@@ -315,6 +315,17 @@ def test_a_file_repeats_its_run(toy, tmp_path, suffix, given):
     smidgen.run(toy, "demo", out=first, **given)
     smidgen.repeat(first, out=again)
     assert first.read_bytes() == again.read_bytes()
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("checkpoint", [None, 5])
+def test_a_file_that_cannot_be_is_told_before_the_first_step(toy, tmp_path, suffix, checkpoint):
+    out, seen = tmp_path / f"a{suffix}", []
+    out.mkdir()
+    for place, said in ((out, "Is a directory"), (tmp_path / "nowhere" / out.name, "No such file")):
+        with pytest.raises(OutputError, match=f"cannot write {place}: {said}"):
+            smidgen.run(toy, "demo", out=place, checkpoint=checkpoint, progress=seen.append)
+    assert not seen and sorted(p.name for p in tmp_path.iterdir()) == [out.name, "toy.toml"]
 
 
 def test_a_section_repeats(toy, tmp_path):

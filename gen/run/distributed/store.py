@@ -21,6 +21,7 @@ from ... import ranks
 from ...errors import OutputError
 from ...system import sync_folder
 from ..files.checkpoint import CheckpointError, writing
+from ..files.durable import check_place
 from ..files.places import finish, lay_out, lay_out_again, standing, write_at
 
 # What newest.json says: steps of the state, outputs, seconds so far, the energy of the first output (or null) and its largest deviation, steps between checkpoints.
@@ -55,6 +56,7 @@ class Store:
 
     def create(self, meta: dict, arrays: dict) -> dict:
         """Begin a run; name -> Place of its arrays."""
+        check_place(self.out)
         self.folder.mkdir(exist_ok=True)
         self.lock = writing(self.folder, self.out)
         if (self.folder / "newest.json").exists() and self.file.exists():

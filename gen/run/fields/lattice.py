@@ -18,7 +18,12 @@ __all__ = ["Grid", "charge", "correlation", "magnetisation", "of"]
 
 @public
 def magnetisation(w) -> np.ndarray:
-    """The mean vector (1/N) sum_i w_i of states of shape (..., N, 3), as an array of shape (..., 3)."""
+    """The mean vector (1/N) sum_i w_i of states of shape (..., N, 3), as an array of shape (..., 3).
+
+    :raises UsageError: for another shape.
+    """
+    if np.ndim(w) < 2 or np.shape(w)[-1] != 3 or not np.shape(w)[-2]:
+        raise UsageError(f"states must have shape (.., N, 3), not {np.shape(w)}")
     return np.mean(np.asarray(w), axis=-2)
 
 

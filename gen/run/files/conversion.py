@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import numpy as np
 
@@ -37,6 +38,6 @@ def dataframe(result):
     pandas = needed("pandas", "to_dataframe()")
     columns = {}
     for name in result:
-        rows = result[name].reshape(len(result.t), -1)
+        rows = result[name].reshape(len(result.t), math.prod(result[name].shape[1:]))
         columns |= dict(zip(flat_names(name, result[name].shape[1:]), rows.T))
     return pandas.DataFrame(columns).set_index("t")

@@ -1,12 +1,21 @@
 """Files that a kill, a power cut or a full disk leaves whole: the old one or the new one."""
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
+from ...errors import OutputError
 from ...system import NO_LINK, sync_folder
 
 FRESH = ".new"      # the ending of a file that is not complete
+
+
+def check_place(path: Path) -> None:
+    """Raises OutputError where no file can have this name: before the work whose result it is to hold."""
+    wrong = errno.EISDIR if path.is_dir() else errno.ENOENT if not path.parent.is_dir() else None
+    if wrong:
+        raise OutputError(f"cannot write {path}: {os.strerror(wrong)}")
 
 
 def write_new(path: Path, data: bytes, name_too: bool = True) -> None:

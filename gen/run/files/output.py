@@ -25,6 +25,7 @@ from ...packages import needed
 from ...public import ReadOnly, few, guess, public
 from ...system import sync_folder
 from .conversion import dataframe, dataset
+from .durable import check_place
 from .labels import flat_names, label
 from .received import read
 
@@ -155,7 +156,8 @@ def open_sink(path, meta: dict, layout: dict, work=None):
 
 
 def check_layout(path, layout: dict) -> None:
-    """Raise OutputError when the format of `path` cannot hold these columns."""
+    """Raise OutputError when no file can have the name `path`, or its format cannot hold these columns."""
+    check_place(Path(path))
     count = sum(int(np.prod(shape, dtype=int)) for shape, _ in layout.values())
     if known_format(path) == ".csv" and count > limits.CSV_COLUMNS:
         raise OutputError(f"cannot write {path}: a .csv cannot have {count} columns; use .h5 or .npz")

@@ -26,7 +26,7 @@ from ...public import few, public
 from ...read.given import time as time_of
 from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
-from ..files.durable import write_new
+from ..files.durable import check_place, write_new
 from ..files.plain import plain
 from ..record.means import BINS, Average, averages, numbers_of
 from ..record.statistics import Statistics
@@ -98,6 +98,8 @@ class Job:
 
     def __init__(self, spec: Spec, settings: Settings, what, after, members, bins, out: Path | None):
         self.settings, self.out, self.done, self.begun, self.saved = settings, out, 0, False, clock.monotonic()
+        if out is not None:
+            check_place(out)
         self.model = model_of(spec, settings)
         self.members, self.bins = whole(members, "members"), whole(bins, "bins")
         self.names = numbers_of(self.model, what)
