@@ -188,13 +188,15 @@ def one_bond(d, name, place):
     if place in MANY:
         form = d.dice.choice(many_forms(d, place))
         energy, d.sided = d.fill(form, *(f"{name}[{i}]" for i in "ijkl")), d.sided or "{1}" not in form
+        if "{1}" in form and not pair(d) and d.chance(3) and d.takes(4):
+            energy = f"{d.dice.choice(OF_BONDS)}*({energy})"
         return d.effect(f"bond(i, j, k{', l' * (place == 'plaquettes')}) of {d.over(place)}{d.on(name)}", energy=energy if place == "plaquettes" else clocked(d, energy))
     energy, index = d.fill(d.dice.choice(bond_forms(d)), f"{name}[i]", f"{name}[j]"), "i, j"
     if not pair(d) and d.chance(3) and not several_terms(energy) and d.takes(PLACES[place][2]):
         index, factors = d.dice.choice((("i, j", OF_BONDS), ("i, j, b", OF_NUMBERS)))
         energy = f"{d.dice.choice(factors)}*({energy})"
         if index == "i, j" and d.chance(3) and d.takes(PLACES[place][2] + 1):       # 1: kappa
-            energy, d.sided = f"{energy} - 0.7*(1 + uniform(2, i))*{name}[j].z", True
+            energy = f"{energy} - 0.7*(1 + uniform(2, i))*{name}[j].z"
     d.effect(f"bond({index}) of {d.over(place)}{d.on(name)}", energy=clocked(d, energy))
 
 

@@ -51,6 +51,32 @@ def test_effects_on_the_same_bonds(name, method):
     assert by_rows(JOINED[name], method) and distance(JOINED[name], method) <= 2e-14
 
 
+# Terms with several ends that differ from bond to bond, and such that do not vanish where one of their spins is 0
+
+SHAPES = ('[lattices.line]\nsize = ["n", 6]\nboundary = ["periodic", "open"]\nbonds.near = [{ at = [[0, -1, 0], [0, 0, 0], [0, 1, 0]] }]\n'
+          '[lattices.plaquettes]\nsize = ["n", 6]\nboundary = ["periodic", "open"]\nbonds.all = [{ at = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]] }]\n')
+THREE, FOUR, PAIRS = "bond(i, j, k) of line.near", "bond(i, j, k, l) of plaquettes.all", "bond(i, j) of square(n, 6, periodic, open)"
+CURRENT = "cross(w[j], cross(w[j], w[k] - w[i]))"
+HOLES = ("holes", "site(i) of w", "uniform(4, i) < 0.2", "absent")
+ENDED = {
+    "three ends": (("chiral", THREE, "0.3*normal(1, j)*triple(w[i], w[j], w[k])"),), "numbers of bonds": (("chiral", THREE.replace("k)", "k, b)"), "0.3*normal(1, b)*triple(w[i], w[j], w[k])"),),
+    "ring exchange": (("ring", FOUR, "0.1*uniform(2, i, k)*(dot(w[i], w[j])*dot(w[k], w[l]) + dot(w[j], w[k])*dot(w[i], w[l]))"), HOLES),
+    "a current": (("current", THREE, f"0.2*(1 + mod(j, 3))*{CURRENT}", "torque", "w[j]"),), "a current around holes": (("current", THREE, f"0.3*cos(t)*{CURRENT}", "torque", "w[j]"), HOLES),
+    "squares": (("stretched", PAIRS, "0.2*dot(w[i] - w[j], w[i] - w[j])"), HOLES), "squares in time": (("stretched", PAIRS, "0.2*cos(t)*uniform(1, i, j)*dot(w[i] - w[j], w[i] - w[j])"), HOLES)}
+
+
+def of_ends(name):
+    """With exchange; `on` a vector where a torque says which."""
+    effects = "".join(effect(called, over, value, *word) if len(word) < 2 else effect(called, over, value, "torque") + f'on = "{word[1]}"\n' for called, over, value, *word in ENDED[name])
+    return lattice("ends", "", 8, "6*n", effect("exchange", PAIRS, "-0.5*dot(w[i], w[j])") + effects, SHAPES)
+
+
+@pytest.mark.parametrize("name, method", [*((n, MIDPOINT) for n in ("a current around holes", "squares in time")), ("three ends", "gauss-4"),
+                                          *(pytest.param(n, m, marks=pytest.mark.long) for n in ENDED for m in METHODS if (n, m) not in (("a current around holes", MIDPOINT), ("squares in time", MIDPOINT), ("three ends", "gauss-4")))])
+def test_terms_with_several_ends(name, method):
+    assert by_rows(of_ends(name), method) and distance(of_ends(name), method) <= 2e-14
+
+
 # Formulas that are infinite at site 3, which is absent
 
 BETWEEN = ("bond(i of a, j of b) of between.near", "(0.3 + 0.1/abs(i - 3))*dot(a[i], b[j])")

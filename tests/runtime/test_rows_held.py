@@ -97,7 +97,7 @@ def test_so_they_do_by_other_methods(method):
 
 
 @pytest.mark.parametrize("what, said", [
-    (ABSENT + '[effects.squares]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "dot(w[i] - w[j], w[i] - w[j])"\n', "the field of `exchange` and `dm` and `squares` does not vanish where one of its spins is 0, but some sites are absent"),
+    (ABSENT + '[effects.squares]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "exp(dot(w[i] - w[j], w[i] - w[j]))"\n', "the field of `squares` does not vanish where one of its spins is 0, but some sites are absent"),
     ('[effects.kinked]\nover = "bond(i, j) of chain(n, periodic)"\nenergy = "abs(dot(w[i], w[j]))"\n', "`kinked` has branches")])
 def test_what_prevents_it_is_said(what, said):
     """In `gen` and `run`, by the notes, and by `explain`."""

@@ -8,7 +8,7 @@ import sympy as sp
 from ..lower.code import Argument, Function, If, Return
 from ..lower.integers import Index, compare, total
 from ..lower.kernels import COEFFICIENTS
-from .bond_values import two_ended
+from .bond_values import unlike_bonds
 from .extent import OneTime
 from .row_bounds import Spins, block_norms
 from .rows import beside, bonds_of, neighbours, radii_of, row_roles
@@ -18,7 +18,7 @@ from .site_values import differs
 def beside_norms(model, low, found):
     """Of each place in the cell: (that of a site with itself, those of its neighbours in the order of smg_offsets); None where they differ from site to site."""
     roles = row_roles(model, found.whole)
-    if found.norm is None or found.rated or any(differs(t) or two_ended(t) for t, _ in roles):
+    if found.norm is None or found.rated or any(differs(t) or unlike_bonds(t) for t, _ in roles):
         return None
     at = OneTime(low) if found.timely else low
     blocks = {(t.prefix, k): block_norms(at, t, k, Spins(low, t, radii_of(model))) for t, k in roles}

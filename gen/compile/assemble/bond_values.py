@@ -1,4 +1,4 @@
-"""Bonds that differ from cell to cell, on lattices by rows: what the numbers of their two sites decide stands in arrays by slots, one for each of
+"""Bonds that differ from cell to cell, on lattices by rows: what the numbers of their sites decide stands in arrays by slots, one for each of
 the bonds of a site, which the gradient loads in lanes as it does that of `site_values.py`.
 """
 from __future__ import annotations
@@ -16,23 +16,35 @@ SITE = (COEFFICIENTS, Argument("int64_t", "k"))
 
 
 @dataclass(frozen=True)
+class End:
+    """One end of a bond, as a site at another end sees it; beside: its number among what stands beside that site, None at that site itself; first: the first site of its family; lacking: may it be absent?"""
+    beside: int | None
+    first: Int
+    lacking: bool
+
+    def site(self, n: int) -> Int:
+        """The n-th end: site k, or the one beside it."""
+        return Index("k") if self.beside is None else Index(f"end{n}")
+
+
+@dataclass(frozen=True)
 class Role:
-    """A site feels a term by a slot, through a bond; beside: the number of the other end among what stands beside it; first: is it the first end?
-    number: the function that gives the number of the bond from the site in its base cell, where the formula asks; based: is that this site? own, other: the first sites of the families of both; lacking: may the other end be absent?"""
+    """A site feels a term by a slot, through a bond with these ends; number: the function that gives the number of the bond from the site in its base cell, which is the base-th end, where the formula asks."""
     slot: int
     bond: tuple
-    beside: int
-    first: bool
-    number: str = ""
-    based: bool = True
-    own: Int = ZERO
-    other: Int = ZERO
-    lacking: bool = False
+    ends: tuple
+    number: str
+    base: int
 
     @property
-    def ends(self) -> tuple:
-        """This site, k, and the one beside it, as their families number them."""
-        return Index("k") - self.own, Index("other") - self.other
+    def sites(self) -> tuple:
+        """The ends, as their families number them."""
+        return tuple(end.site(n) - end.first for n, end in enumerate(self.ends))
+
+    @property
+    def others(self) -> list:
+        """(number, end) of those that are not site k."""
+        return [(n, end) for n, end in enumerate(self.ends) if end.beside is not None]
 
 
 @dataclass(frozen=True)
@@ -69,11 +81,11 @@ class Bonded(Sited):
         return (Let("k", Index("site")), *by_sub(self.roles, self.place, lambda some: found_end(some[n], (Return(ended(f, some[n])),)) if n < len(some) else ()), Return(ZERO))
 
 
-def two_ended(t) -> bool:
-    """Is it a term on bonds of two sites whose gradient depends on their numbers?"""
+def unlike_bonds(t) -> bool:
+    """Is it a term on bonds, all of whose ends it names, whose gradient depends on their numbers?"""
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    both = isinstance(t.over, Lattice) and t.derived.pushed is None and len(t.slots) == 2 and {slot for _, slot in t.slots} == set(t.over.indices)
-    told = both and (not t.over.number or len(set(t.over.bonds)) == len(t.over.bonds))      # a bond that is listed twice has two numbers
+    named = isinstance(t.over, Lattice) and len(t.slots) == len(t.over.indices) > 1 and {slot for _, slot in t.slots} == set(t.over.indices)
+    told = named and (not t.over.number or len(set(t.over.bonds)) == len(t.over.bonds))      # a bond that is listed twice has two numbers
     return told and bool(set(t.over.bound) & mentions(*gradient.body))
 
 
@@ -81,7 +93,7 @@ def bonded(low, t, first: int, homes, roles, place, bounds, numbers=()) -> Bonde
     """bounds(k): (of the field of no spins, of the Hessian) of one bond in the row of slot k; None where nobody asks."""
     gradient, values = bond_partings(low, t)
     functions = tuple(of_bond(low, t, symbol.name, e) for e, symbol in values.items())
-    ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in (0, 1))
+    ends = tuple(tuple(None if e is None or e == 0 else of_bond(low, t, f"{what}{k}", e) for what, e in zip(("rest", "norm"), bounds(k))) for k in range(len(t.slots)))
     sums = [sum_of(t, what, n, roles, place, ends) if any(end[n] for end in ends) else None for n, what in enumerate(("rest", "norm"))]
     return Bonded(lane_gradient(low, t, gradient, values), functions, first, *sums, homes, roles, place, ends, tuple(numbers))
 
@@ -114,16 +126,16 @@ def of_bond(low, t, what: str, e) -> Function:
 
 
 def ended(f: Function, role: Role) -> Call:
-    """That number of the bond of a role, of site k and the one beside it."""
-    own, other = role.ends
-    number = (Computed(role.number, (Index("c"), own if role.based else other)),) if role.number else ()
-    return Call(f.name, (Name("c"), *((own, other) if role.first else (other, own)), *number))
+    """That number of the bond of a role, of site k and those beside it."""
+    number = (Computed(role.number, (Index("c"), role.sites[role.base])),) if role.number else ()
+    return Call(f.name, (Name("c"), *role.sites, *number))
 
 
 def found_end(role, body) -> tuple:
-    """The statements where the bond of a role is not cut at an open end, and its other end is there."""
-    other = Let("other", Computed("smg_site_beside", (Index("c"), Index("k"), whole(role.beside))))
-    return (other, If((compare(Index("other"), ">=", ZERO), *[is_there(Index("other"))] * role.lacking), body))
+    """The statements where the bond of a role is not cut at an open end, and its other ends are there."""
+    found = tuple(Let(f"end{n}", Computed("smg_site_beside", (Index("c"), Index("k"), whole(end.beside)))) for n, end in role.others)
+    tests = (test for n, end in role.others for test in (compare(end.site(n), ">=", ZERO), *[is_there(end.site(n))] * end.lacking))
+    return (*found, If(tuple(tests), body))
 
 
 def by_sub(roles, place, body_of) -> tuple:

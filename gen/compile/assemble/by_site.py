@@ -10,7 +10,7 @@ from ..derive.derivatives import is_real, power, switched
 from ..derive.written import over
 from ..lower.code import mentions
 from ..lower.lowering import index_names
-from .bond_values import bond_partings, two_ended
+from .bond_values import bond_partings, unlike_bonds
 from .row_bounds import bends
 from .site_values import differs, partings
 
@@ -70,7 +70,7 @@ def of_term(low, t) -> str | None:
     if t.derived.parts:
         return f"{name} is a long formula that is differentiated in parts"
     gradient = next(f for f in t.functions if f.name == f"{t.prefix}_gradient")
-    if not differs(t) and not two_ended(t) and set(t.over.bound) & mentions(*gradient.body):
+    if not differs(t) and not unlike_bonds(t) and set(t.over.bound) & mentions(*gradient.body):
         return f"{name} differs from bond to bond"
     return None
 
@@ -94,7 +94,7 @@ def of_absent(t) -> str | None:
 
 def of_zeros(low, t, lacking) -> str | None:
     """The same: where vectors of such sites, and the numbers of terms with them, are 0, the field is finite."""
-    gradient, values = partings(low, t) if differs(t) else bond_partings(low, t) if two_ended(t) else ([low.number_values(x) for row in t.derived.gradient for x in row], {})
+    gradient, values = partings(low, t) if differs(t) else bond_partings(low, t) if unlike_bonds(t) else ([low.number_values(x) for row in t.derived.gradient for x in row], {})
     formulas = [sp.sympify(x) for x in (*gradient, *map(low.number_values, (x for block in t.derived.hessian.values() for x in block)))]
     for (family, _), vector in zip(t.slots, t.derived.vectors):
         if family in lacking and any(may_be_infinite(e, dict.fromkeys((*vector, *values.values()), sp.S.Zero)) for e in formulas):

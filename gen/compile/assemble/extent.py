@@ -22,7 +22,7 @@ from ..lower.lowering import CLOCK
 ALL, NO_ENDS = (None, None), MappingProxyType({})
 HALF_TURN = sp.pi / 2
 ROUNDED = 1e-14       # of a coefficient, what rounding leaves of it
-MOST = 400, 80      # nodes of an end, and how deep they are: products of products of ends grow
+MOST = 1000, 80      # nodes of an end, and how deep they are: products of products of ends grow
 
 
 class OneTime:

@@ -18,7 +18,7 @@ from ..lower.kernels import COEFFICIENTS, field_kernels
 from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
 from ..plan.contributions import fields_of, laws_of
 from ..plan.splitting import bond_classes, sublattices
-from .bond_values import Bonded, Role, bonded, number_functions, number_name, numbers_of, two_ended
+from .bond_values import Bonded, End, Role, bonded, number_functions, number_name, numbers_of, unlike_bonds
 from .by_site import of_absent, of_lattices, of_laws, of_radii, of_space, of_term, of_zeros, unlike_in
 from .common_cell import firsts, homes_of, in_cells, lattices, place_of, roles
 from .families import SITE, by_family
@@ -95,11 +95,11 @@ def rows_of(model, low, over, some, laws):
     """The same, by the terms; some: {prefix: the term} of those that are others where some sites are absent; laws: which numbers of a response differ from site to site."""
     whole, bounded, rated, radii = in_cells(model, some, over), not model.method.takes_fields, unlike_in(model, "kappa"), unlike_in(model, "radius") and not model.method.by_field
     terms = [whole.get(t.prefix, t) for t in model.fields]
-    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, (of_absent(t) or of_zeros(low, t, lacking(model.whole)) for t in some.values())), None)
+    why_not = next(filter(None, (of_term(low, t) for t in terms)), None) or next(filter(None, (t not in model.fields and of_absent(t) or of_zeros(low, t, lacking(model.whole)) for t in some.values())), None)
     if why_not:
         return why_not
     apart = [t for t in terms if differs(t)]
-    joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if two_ended(t)}
+    joined = {t.prefix: roles_of(model, t, over.sites, whole) for t in terms if unlike_bonds(t)}
     first = firsts(model, [*((t, count(low, t)) for t in apart), *((t, numbers_of(low, t, joined[t.prefix])) for t in terms if t.prefix in joined)])
     why_not = of_radii(model, terms) if bounded else None
     if why_not:
@@ -125,14 +125,15 @@ def roles_of(model, t, places: int, whole) -> tuple:
     """How the sites of each place feel a term on bonds that differ."""
     def of(sub):
         beside_it = neighbours(model, sub, whole)
-        return tuple(role(model, t, k, bond, beside_it.index(beside(t, bond, k, 1 - k))) for k in (0, 1) for bond in bonds_of(t, k, sub))
+        return tuple(role(model, t, k, bond, beside_it) for k in range(len(t.slots)) if k not in model.unfelt(t) for bond in bonds_of(t, k, sub))
     return tuple(map(of, range(places)))
 
 
-def role(model, t, k: int, bond, beside_it: int) -> Role:
-    own, firsts = t.over.indices.index(t.slots[k][1]), [model.by_name[family].first for family, _ in t.slots]
+def role(model, t, k: int, bond, beside_it: list) -> Role:
+    slots, gone = [[index for _, index in t.slots].index(i) for i in t.over.indices], lacking(model.whole)
+    ends = tuple(End(None if q == k else beside_it.index(beside(t, bond, k, q)), model.by_name[t.slots[q][0]].first, t.slots[q][0] in gone) for q in slots)
     number = number_name(t, t.over.bonds.index(bond)) if t.over.number else ""
-    return Role(k, bond, beside_it, own == 0, number, not any(bond[own][1]), firsts[k], firsts[1 - k], t.slots[1 - k][0] in lacking(model.whole))
+    return Role(k, bond, ends, number, next(n for n, (_, offset) in enumerate(bond) if not any(offset)))
 
 
 def bonds_of_terms(model, low, terms, overs, roles, first: dict, bounds) -> dict:
@@ -145,12 +146,12 @@ def bonds_of_terms(model, low, terms, overs, roles, first: dict, bounds) -> dict
 
 
 def whole_terms(model, low) -> dict:
-    """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some."""
+    """{prefix: the term as it is where all its sites are there}, of a lattice that lacks some; or as it is, with factors 0 and 1 among the numbers of its bonds, where others would feel the vector 0 of an absent site."""
     if not lacking(model.whole):
         return {}
     energies = energy_kernels(low, model.whole.energies, "row", model.method, like=model.spec.energies)[0]
     torques = [field_kernels(low, t, t.slots, field, "row") for t, field in fields_of(model.whole, model.contributions, model.method)]
-    return {t.prefix: one for t, one in zip(model.fields, (*energies, *torques), strict=True)}
+    return {t.prefix: t if of_absent(one) and of_term(low, t) is None and unlike_bonds(t) else one for t, one in zip(model.fields, (*energies, *torques), strict=True)}
 
 
 def held_rows(found, model, low, law):
@@ -214,7 +215,7 @@ def alike(model, low, whole, bounds, which: int) -> tuple:
     """Of each family, the sum of a bound over the terms that all sites have alike."""
     def norm(t, k):
         t = whole.get(t.prefix, t)
-        return 0 if differs(t) or two_ended(t) else bounds[t.prefix, k][which]
+        return 0 if differs(t) or unlike_bonds(t) else bounds[t.prefix, k][which]
     return tuple(row_sums(model, low, f, norm) for f in model.families)
 
 

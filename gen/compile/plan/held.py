@@ -9,7 +9,7 @@ from ...language.expr import Expr, Idx, Num, Op, kind_of, slots_of, walk
 from ...language.held import absent
 from ...language.spec import Family, Spec, Term, families_of
 
-POLYNOMIAL = {"+", "-", "*", "neg", "dot", "cross", "triple", "vec", "x", "y", "z", "kept", "uniform", "normal"}
+FINITE = {"+", "-", "*", "neg", "dot", "cross", "triple", "vec", "x", "y", "z", "kept", "uniform", "normal", "sin", "cos", "tanh", "abs", "min", "max", "floor"}
 
 
 def there(spec: Spec, family: Family) -> Expr:
@@ -38,13 +38,13 @@ def with_factors(t: Term, gone: dict) -> Term:
 def where(factors, value: Expr) -> Expr:
     """The value times the factors; chosen by them where it may have no finite value, as log(0)."""
     factor = reduce(lambda a, b: Op("*", (a, b)), factors)
-    if all(is_product(e) for e in walk(value) if isinstance(e, Op)):
+    if all(is_finite(e) for e in walk(value) if isinstance(e, Op)):
         return Op("*", (factor, value))
     zero = Op("vec", (Num(0),) * 3) if kind_of(value) == "v" else Num(0)
     return Op("if", (Op(">", (factor, Num(0))), value, zero))
 
 
-def is_product(e: Op) -> bool:
-    """Is it finite wherever its arguments are, by sums and products alone?"""
+def is_finite(e: Op) -> bool:
+    """Is it finite wherever its arguments are?"""
     power = e.args[1] if e.op == "^" else None
-    return e.op in POLYNOMIAL or isinstance(power, Num) and isinstance(power.value, int) and power.value > 0
+    return e.op in FINITE or isinstance(power, Num) and isinstance(power.value, int) and power.value > 0
