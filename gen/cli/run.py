@@ -178,7 +178,7 @@ def choices(args) -> dict:
 
 def refuse_choices(args, said="--repeat repeats a run unchanged and can be combined with --out and --json only"):
     """A repeated run is the run as it was, and so is one that goes on."""
-    if args.parameters or args.start or args.estimate is not None or chosen(args, CHOICES):
+    if args.parameters or args.start or args.estimate is not None or args.native is not None or args.fast or args.real != "double" or chosen(args, CHOICES):
         raise UsageError(said)
 
 
@@ -230,7 +230,7 @@ def lines(args, result):
 def unit(meta, column: str) -> str:
     """` meV`, behind a number of that column; nothing where none is known."""
     units = meta.get("units") or {"columns": {}}
-    found = units["columns"].get(column) or units.get({"t": "time"}.get(column, column), "1")
+    found = units["columns"].get(column) or units.get("means", {}).get(column) or units.get({"t": "time"}.get(column, column), "1")
     return "" if found == "1" else f" ({found})" if found[0].isdigit() else f" {found}"
 
 
@@ -240,8 +240,9 @@ def mean_lines(meta):
         yield f"no averages: there is no output from t = {meta['averages']['after']:g}{unit(meta, 't')} on"
     for name, one in (meta["means"] or {}).items():
         error = "" if one["error"] is None else f" ± {one['error']:.2g}"
+        variance = "" if one["variance"] is None else f", variance {one['variance']:.4g}"
         correlation = "" if one["correlation"] is None else f", correlation time {one['correlation']:.3g}{unit(meta, 't')}"
-        yield f"mean of {name} from t = {meta['averages']['after']:g}{unit(meta, 't')} on: {one['mean']:.8g}{error}{unit(meta, name.removesuffix('.x'))}, variance {one['variance'] or 0:.4g}{correlation}"
+        yield f"mean of {name} from t = {meta['averages']['after']:g}{unit(meta, 't')} on: {one['mean']:.8g}{error}{unit(meta, name)}{variance}{correlation}"
 
 
 def directions(axes) -> dict:

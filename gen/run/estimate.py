@@ -41,18 +41,19 @@ class Other:
 
 def end_error(model: Integrator, settings, final: np.ndarray, stopped=lambda: False) -> tuple[float | None, str | None]:
     """(error, reason): the largest distance of a site of `final`, (sites, 3), from the exact solution, in units of the
-    largest |w|, or None and why it is not estimated.
+    largest |w| of the sites that are there, or None and why it is not estimated.
 
     model: the compiled model of the run; it is begun anew. Both are None for no steps and after Ctrl-C (`stopped`).
     """
     if model.scene.heated:
         return None, "with thermal noise, a different number of steps is a different trajectory"
-    off, found = [], others(model, settings)
+    off, found, there = [], others(model, settings), model.prepared.numbers.present
+    size = np.linalg.norm(final[there], axis=1).max() or 1
     for other in found:
         end = ended(model, settings, other, stopped)
         if end is None:
             return None, None if stopped() else f"with {other.steps} steps instead of {settings.steps}, a step fails"
-        off.append(float(np.linalg.norm(final - end, axis=1).max() / np.linalg.norm(final, axis=1).max()))
+        off.append(float(np.linalg.norm((final - end)[there], axis=1).max() / size))
     return judged(METHODS[model.method], settings.steps, found, off, float(np.finfo(final.dtype).eps)) if found else (None, None)
 
 

@@ -32,7 +32,7 @@ from .files.output import MemorySink, Result, load_result, open_sink, result_of
 from .step.noise import refuse_with_noise
 from .step.pace import Pace
 from .step.saved import HISTORY
-from .record.means import Means
+from .record.means import Means, numbers_of
 from .record.units import units_of
 from .record.record import Recorder, columns_of, entry_size
 from .files.safe import SafeSink
@@ -246,6 +246,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
     spec, built = model.spec, model.built
     facts = {option.key: getattr(settings, option.name) for option in OPTIONS if option.kind}
     start, scene = settings.start, model.scene
+    averaged = () if settings.averages is None else numbers_of(model, settings.averages["what"])
     if not isinstance(start, str):
         start = find_start(spec, None).name if start is None else plain(np.asarray(start))
     return {
@@ -256,7 +257,7 @@ def describe(model: Integrator, settings: Settings, status: str = "running") -> 
         "parameters": _plain(model.parameters), "effects": list(scene.effect_names),
         "chosen": _plain(model.notes), "families": {f: n for f, (_, n) in model.families.items()},
         "compiler": built.compiler, "flags": list(built.flags),
-        "units": units_of(model, settings.what), "status": status, "done": model.count, "end_error": None, "end_error_withheld": None, "means": None,
+        "units": units_of(model, settings.what, averaged), "status": status, "done": model.count, "end_error": None, "end_error_withheld": None, "means": None,
     }
 
 

@@ -231,7 +231,8 @@ def test_seeds(command, tmp_path):
     (["run", TOP, "--out", "a.txt"], 2, r"\.csv"), (["run", TOP, "--out", "no/a.csv"], 8, "No such"),
     (["run", TOP, "--what", "colour"], 2, "casimirs"), (["run", TOP, "--start", "x"], 2, "paper"),
     (["run", "--repeat", "none.h5"], 2, "none.h5"), (["run", TOP, "--repeat", "a.h5"], 2, "omit SPEC"),
-    (["run", "--repeat", "a.h5", "--h", "1"], 2, "unchanged"),
+    (["run", "--repeat", "a.h5", "--h", "1"], 2, "unchanged"), (["run", "--repeat", "a.h5", "--fast"], 2, "unchanged"),
+    (["run", "--repeat", "a.h5", "--portable"], 2, "unchanged"), (["run", "--resume", "a.h5", "--real", "long double"], 2, "unchanged"),
     (["run", TOP, "--method", "leapfrog"], 2, "spherical-midpoint"),
     (["run", "/"], 3, "directory"), (["new", "int"], 3, "a reserved word of C"), (["check", "/dev/null"], 3, "model"), (["check", "x\x1b[31m.toml"], 3, "x"),
 ])

@@ -62,6 +62,31 @@ def test_no_estimate_of_tracers_near_vortices_is_far_off():
     assert error / 1.5 < near.meta["end_error"] < 1.5 * error and near.meta["end_error_withheld"] is None
 
 
+def test_sites_that_are_not_there_do_not_make_the_error_smaller():
+    """States have them as unit vectors, a thousand times as long as these; a state of zeros has no error."""
+    spec = smidgen.load_text('''[model]
+name = "small_vectors"
+[space]
+w = { r3 = 4 }
+[effects.twist]
+over = "site(i) of w"
+energy = "1e3*w[i].z^2*w[i].x"
+[effects.gone]
+over = "site(i) of w"
+absent = "i == 2"
+[starts.a]
+w = { x = "1e-3*(1 + i)", y = "2e-3", z = "1e-3" }
+[runs.demo]
+start = "a"
+h = 0.1
+steps = 100
+''')
+    found = smidgen.run(spec, estimate=True)
+    error = distance(found.final, smidgen.run(spec, h=0.1 / 16, steps=1600).final)
+    assert error / 1.5 < found.meta["end_error"] < 1.5 * error
+    assert smidgen.run(spec, start=np.zeros((4, 3)), estimate=True).meta["end_error"] < 1e-14
+
+
 @pytest.mark.quick
 def test_what_two_step_sizes_say():
     """Distances of the ends with half and twice as many steps: 3 and 3/4 of the error by order 2."""

@@ -122,6 +122,19 @@ def test_results_have_the_units_of_their_columns(tmp_path, both):
     assert smidgen.run(both[0], "demo", steps=2).meta["units"] is None
 
 
+def test_means_are_told_in_their_units(tmp_path, both):
+    """Also of what is no column, and of each component."""
+    from smidgen.cli.run import mean_lines
+    for what in ((), ["energy", "momentum", "m"]):
+        meta = smidgen.run(both[1], "demo", what=what, steps=8, every=1, averages={"what": ["energy.field", "momentum.w.y", "m"]}, out=tmp_path / "a.h5").meta
+        units = {"energy.field": "4 meV", "momentum.w.y": "(4 meV) (0.5 ps)", "m": "(4 meV)/(8 T)"}
+        assert smidgen.load_result(tmp_path / "a.h5").meta["units"]["means"] == meta["units"]["means"] == units
+        said = [*mean_lines(meta)]
+        assert len(said) == 3 and all(f"{meta['means'][name]['mean']:.8g} {unit}, variance" in line.replace(f" ({unit})", f" {unit}") for line, (name, unit) in zip(said, units.items()))
+    one = smidgen.run(both[1], "demo", steps=1, every=1, averages={"what": ["m"]}).meta
+    assert one["means"]["m"]["variance"] is None and "variance" not in "".join(mean_lines(one))
+
+
 # The film
 
 FILM = Template("""

@@ -5,9 +5,9 @@ from ...language.units import BASES, ENERGY, NONE, TIME
 from .record import columns_of
 
 
-def units_of(model, what) -> dict | None:
+def units_of(model, what, averaged=()) -> dict | None:
     """codata: the edition of the constants; energy, time, length, field: the units in which the model counts; momentum, casimirs: those of all
-    families; columns: name -> unit, "1" of what has none.
+    families; columns: name -> unit, "1" of what has none; means: the same of the quantities `averaged`, where there are some.
 
     None where numbers have no units."""
     units = model.spec.units
@@ -15,7 +15,8 @@ def units_of(model, what) -> dict | None:
         return None
     columns = {name: of_column(model.scene, units, name) for name in columns_of(model, what) if name != "step"}
     whole = {kind: of_families(model.families, units, what) for kind, what in (("momentum", "momentum"), ("casimirs", "casimir"))}
-    return {"codata": units.codata, **{kind: scale.text for kind, scale in zip(BASES, units.scales)}, **whole, "columns": columns}
+    means = {"means": {name: of_column(model.scene, units, name) for name in averaged}} if averaged else {}
+    return {"codata": units.codata, **{kind: scale.text for kind, scale in zip(BASES, units.scales)}, **whole, **means, "columns": columns}
 
 
 def of_families(families, units, what: str) -> str:
