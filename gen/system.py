@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 from pathlib import Path
 
 # Windows has no such flags, and Unix no text files that need the last one.
 NO_LINK, NO_WAIT, BYTES = (getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 OPENS_FOLDERS = os.name != "nt"
+NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)      # what file systems without locks say
 OTHERS = 0o022      # mode bits: group or others may write
 
 
@@ -28,13 +30,15 @@ def locked(path: Path, mode: int, wait: bool) -> int | None:
 
 
 def taken(handle: int, wait: bool) -> bool:
-    """Is the lock of an open file ours now?"""
+    """Is the lock of an open file ours now? A file system that has no locks refuses nobody."""
     import portalocker
     while True:
         try:
             portalocker.lock(handle, portalocker.LOCK_EX | (portalocker.LockFlags(0) if wait else portalocker.LOCK_NB))
             return True
-        except portalocker.LockException:
+        except portalocker.LockException as refusal:
+            if getattr(refusal.__cause__, "errno", None) in NO_LOCKS:
+                return True
             if not wait:
                 return False        # with `wait`: Windows gives up after ten seconds
 

@@ -1,8 +1,10 @@
 """What differs between systems: locks, owners and folders, with those of Windows played."""
+import errno
 import os
 import subprocess
 import sys
 
+import portalocker
 import pytest
 from smidgen import system
 from smidgen.build.cache import entry
@@ -18,6 +20,17 @@ def test_a_lock_is_held_by_one(tmp_path):
     again = system.locked(tmp_path / "lock", 0o600, wait=False)
     assert again is not None
     os.close(again)
+
+
+@pytest.mark.parametrize("wait", [False, True])
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP])
+def test_a_file_system_without_locks_refuses_nobody_and_keeps_nobody_waiting(tmp_path, monkeypatch, wait, number):
+    def lock(handle, flags):
+        raise portalocker.LockException(OSError(number, "no locks")) from OSError(number, "no locks")
+    monkeypatch.setattr(portalocker, "lock", lock)
+    handle = system.locked(tmp_path / "lock", 0o600, wait)
+    assert handle is not None
+    os.close(handle)
 
 
 def test_a_link_is_no_lock(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 import smidgen
 from smidgen import ranks
 from smidgen.cli import main
+from smidgen.run.distributed.run import resume_distributed
 from smidgen.run.files.places import Place, finish, lay_out, write_at
 from smidgen.run.step.start import initial_state, part_of_state
 from smidgen.run.step.evaluated import Evaluated
@@ -112,6 +113,16 @@ def test_what_cannot_be_written_leaves_no_trace(magnet):
     said = subprocess.run(["bash", "-c", words], cwd=magnet.where, capture_output=True, text=True, env={**os.environ, **MPI})
     assert said.returncode == 8 and "cannot write b.h5" in said.stderr
     assert sorted(path.name for path in magnet.where.iterdir()) == before
+
+
+@pytest.mark.parametrize("given", ["{}", "[]", '{"spec": "magnet", "sources": 3}'])
+def test_metadata_that_are_none_are_refused(tmp_path, given):
+    (tmp_path / "a.h5.distributed").mkdir()
+    newest = {"count": 2, "rows": 1, "seconds": 0.5, "first": None, "largest": 0.0, "checkpoint": 2}
+    for name, text in (("run.json", given), ("newest.json", json.dumps(newest))):
+        (tmp_path / "a.h5.distributed" / name).write_text(text)
+    with pytest.raises(smidgen.CheckpointError, match="run.json is not a file of a smidgen run"):
+        resume_distributed(tmp_path / "a.h5")
 
 
 @needs_mpi4py

@@ -286,3 +286,12 @@ def test_a_mesh_has_the_unit_of_its_lengths(tmp_path, length, constant, unit, st
     lines = smidgen.snapshot(found, tmp_path / "a.ovf", text=True).read_text().splitlines()
     assert f"# meshunit: {unit}" in lines
     assert [float(line.split()[2]) for line in lines if "stepsize" in line] == pytest.approx([step, 2 * step, step], rel=1e-15)
+
+
+@pytest.mark.parametrize("strength, one, unit", [('kappa = "1", radius = "2 hbar"', "1 hbar", "{meV fs}"), ('kappa = "1 meV fs/mu_B", radius = "2 mu_B"', "1 mu_B", "mu_B")])
+def test_the_vectors_of_a_mesh_have_their_unit(tmp_path, strength, one, unit):
+    text = MEASURED.format(length="", constant="", cell="vectors = [[1, 0], [0, 2]]").replace('moment = "1 mu_B"', strength)
+    found = smidgen.run(smidgen.load_text(text.replace("dot(w[i], w[j])", f"dot(w[i], w[j])/({one})^2")), start="random", h="1 fs", steps=0, what=["states"])
+    assert found.meta["units"]["columns"]["w"] == unit.strip("{}")
+    lines = smidgen.snapshot(found, tmp_path / "a.ovf", text=True).read_text().splitlines()
+    assert f"# valueunits: {unit} {unit} {unit}" in lines and len(load_field(tmp_path / "a.ovf").vectors) == 36

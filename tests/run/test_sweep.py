@@ -148,6 +148,18 @@ def test_cells_with_checkpoints_go_on_from_them(path):
     assert sorted(os.listdir(folder)) == sorted(os.listdir(whole))
 
 
+def test_two_sweeps_at_a_time_in_one_folder_are_refused(path, tmp_path):
+    given, said = dict(out=tmp_path / "out", axes={"a": [0.1, 0.2]}, steps=2, processes=1), []
+
+    def again(outcome):
+        with pytest.raises(smidgen.errors.OutputError, match="another sweep is writing to .*out: wait"):
+            sweep(path, **given)
+        said.append(outcome["cell"])
+
+    found = sweep(path, **given, tell=again)
+    assert said == [0, 1] and sweep(path, **given) == found
+
+
 def test_a_process_that_is_killed_is_told(path, monkeypatch):
     monkeypatch.setattr(module, "run", lambda *args, **more: os.kill(os.getpid(), signal.SIGKILL))
     with pytest.raises(smidgen.RunError, match="was killed; the same command continues"):

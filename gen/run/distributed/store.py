@@ -22,6 +22,7 @@ from ...errors import OutputError
 from ...system import sync_folder
 from ..files.checkpoint import CheckpointError, writing
 from ..files.durable import check_place
+from ..files.received import checked, refusing
 from ..files.places import finish, lay_out, lay_out_again, standing, write_at
 
 # What newest.json says: steps of the state, outputs, seconds so far, the energy of the first output (or null) and its largest deviation, steps between checkpoints.
@@ -42,7 +43,9 @@ class Store:
             meta, newest = (json.loads((self.folder / name).read_text()) for name in ("run.json", "newest.json"))
         except (OSError, ValueError):
             raise CheckpointError(f"there is no checkpoint of {self.out} in {self.folder}") from None
-        if not (isinstance(meta, dict) and isinstance(newest, dict) and newest.keys() == NEWEST.keys()
+        with refusing(self.folder / "run.json", CheckpointError):
+            meta = checked(meta)
+        if not (isinstance(newest, dict) and newest.keys() == NEWEST.keys()
                 and all(isinstance(newest[key], kind) for key, kind in NEWEST.items())):
             raise CheckpointError(f"{self.folder}/newest.json is not a checkpoint of a distributed run")
         return meta, newest

@@ -78,14 +78,14 @@ def load_field(path: str | os.PathLike) -> Field:
     return Field(vectors, size)
 
 
-def save_field(path, w, grid: Grid, label: str, title: str, text: bool, bonds=()) -> Path:
-    """Write the vectors (count, 3) of a family `label`; a file of that name stays until the new one is whole. bonds: pairs of sites, for .vtu."""
+def save_field(path, w, grid: Grid, label: str, title: str, text: bool, bonds=(), unit: str = "1") -> Path:
+    """Write the vectors (count, 3) of a family `label`; a file of that name stays until the new one is whole. bonds: pairs of sites, for .vtu; unit: of the vectors, for .ovf."""
     path, w = Path(path), np.asarray(w, float)
     if path.suffix in MADE:
         return save(path, MADE[path.suffix](w, grid, label, text, *([bonds] if path.suffix == ".vtu" else [])))
     if path.suffix not in FORMATS:
         raise UsageError(f"{path}: the name of a file of spins must end in {', '.join([*FORMATS, *MADE])}, or in .pvd for a time series")
-    return save(path, known_format(path).written(w, grid, padded(grid), label, " ".join(title.split()), text))
+    return save(path, known_format(path).written(w, grid, padded(grid), label, " ".join(title.split()), text, unit))
 
 
 def save(path: Path, data: bytes) -> Path:

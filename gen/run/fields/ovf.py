@@ -19,21 +19,26 @@ SCHEMATIC = "Desc: the sites of a cell are placed at fractions of its diagonal, 
 READ = ("valuedim", "segment count", "meshtype", "pointcount", *(f"{axis}nodes" for axis in AXES))     # what counts of the header
 
 
-def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
-    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions."""
+def written(w, grid, size, label: str, title: str, text: bool, unit: str = "1") -> bytes:
+    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions; unit: of the vectors."""
     spacing = (1, 1, 1) if grid.places is None and grid.sites == 1 else grid.spacing()
     regular = spacing is not None
     where = in_three(grid.positions()) if grid.places is None else grid.where()
     rows = w if regular else np.hstack([where, w])
     kind = "Text" if text else "Binary 8"
     head = ["OOMMF OVF 2.0", "Segment count: 1", "Begin: Segment", "Begin: Header", f"Title: {title}",
-            f"meshunit: {'cell' if grid.places is None else grid.unit or 1}", "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", "valueunits: 1 1 1",
+            f"meshunit: {'cell' if grid.places is None else grid.unit or 1}", "valuedim: 3", f"valuelabels: {' '.join(f'{label}_{axis}' for axis in AXES)}", f"valueunits: {' '.join([listed(unit)] * 3)}",
             *box(where, size, spacing if grid.places is not None else (1, 1, 1)),
             *(mesh(size, spacing) if regular else [*([SCHEMATIC] if grid.places is None else []), "meshtype: irregular", f"pointcount: {len(rows)}"]),
             "End: Header", f"Begin: Data {kind}"]
     body = "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in rows.tolist()).encode() if text \
         else np.concatenate([[CHECK[8]], rows.ravel()]).astype("<f8").tobytes() + b"\n"
     return "".join(f"# {line}\n" for line in head).encode() + body + f"# End: Data {kind}\n# End: Segment\n".encode()
+
+
+def listed(word: str) -> str:
+    """As a list of Tcl has it."""
+    return f"{{{word}}}" if " " in word else word
 
 
 def box(where, size, spacing) -> list[str]:

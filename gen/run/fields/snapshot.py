@@ -45,7 +45,7 @@ def snapshot(result, out: str | os.PathLike, family: str | None = None, row: int
         return saved_series(Path(out), result, name, grid, lines, text)
     w, step, t = state_of(result, name, row, time)
     meta = result.meta
-    return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text, lines)
+    return save_field(out, w, grid, name, f"{meta['spec']} {meta['run']}: {name} at t = {t:.17g}, step {step}", text, lines, spec.units.spelt(spec.units.of("name", name)) if spec.units else "1")
 
 
 def straight(spec, family: str, parameters: dict, grid) -> np.ndarray:

@@ -23,8 +23,8 @@ PASSED = ("ORIGIN", "SPACING", "ASPECT_RATIO")      # what is read and not used
 INTEGERS = {"vtktypeint64": 8, "vtktypeint32": 4}   # of version 5, in whose CELLS two arrays follow
 
 
-def written(w, grid, size, label: str, title: str, text: bool) -> bytes:
-    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions. Raises UsageError without places of several sites."""
+def written(w, grid, size, label: str, title: str, text: bool, unit: str = "1") -> bytes:
+    """The bytes of a file. grid: the Grid on which the vectors lie; size: its cells in three directions; the format tells no unit. Raises UsageError without places of several sites."""
     if grid.places is None and grid.sites > 1:
         raise UsageError(f"this lattice cannot be written as .vtk: it has {grid.sites} sites per cell, and the spec gives no positions; .ovf does not need them")
     if grid.places is not None:

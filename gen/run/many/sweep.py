@@ -5,6 +5,7 @@ the result of each. The same call goes on with the cells that have no line.
 """
 from __future__ import annotations
 
+import contextlib
 import itertools
 import json
 import os
@@ -21,6 +22,7 @@ from ...language import limits
 from ...language.spec import Spec
 from ...public import public
 from ...read.shipped import SpecLike, spec_or_name
+from ...system import locked
 from . import cluster as workers
 from .. import interrupts
 from .cluster import check, executor, lost
@@ -90,7 +92,7 @@ def sweep(spec: SpecLike, run: str | None = None, *, out: str | os.PathLike, axe
     :returns: a dictionary for each cell: cell, parameters, seed, status, error, file. A cell that fails has an error; the others continue.
     :raises UsageError: for an argument that does not fit, or a folder that contains another sweep.
     :raises RunError: if a process was killed.
-    :raises OutputError: if the folder cannot be written.
+    :raises OutputError: if the folder cannot be written, or another sweep is writing to it.
 
     When interrupted, cells that are being computed are completed; a second interrupt ends their processes. Completed cells are kept in any
     case.
@@ -116,14 +118,32 @@ def swept(spec: Spec, run: str | None, axes: dict, folder, given: dict, starts, 
         check_seed(settled.numbers, settled.start, seed)
     if cluster is not None:
         check(cluster)
-    ended = opened(folder, manifest(spec, run, axes, starts, seed, given))
-    model_of(spec, settled)
-    left = [cell for cell in cells if cell.number not in ended]
-    if left:
-        with interrupts.counted() as seen, executor(_processes(processes, len(left)), cluster) as found:
-            computed(found, seen, spec, run, left, folder, given, ended, tell)
-    tidy(folder)
+    wanted = manifest(spec, run, axes, starts, seed, given)
+    opened(folder, wanted)
+    with alone(folder):
+        ended = opened(folder, wanted)
+        model_of(spec, settled)
+        left = [cell for cell in cells if cell.number not in ended]
+        if left:
+            with interrupts.counted() as seen, executor(_processes(processes, len(left)), cluster) as found:
+                computed(found, seen, spec, run, left, folder, given, ended, tell)
+        tidy(folder)
     return [ended[cell.number] for cell in cells]
+
+
+@contextlib.contextmanager
+def alone(folder: Path):
+    """Within, no other sweep writes to the folder: it would compute the same cells, and remove what this one has begun. Raises OutputError."""
+    try:
+        handle = locked(folder / MANIFEST, 0o666, wait=False)
+    except OSError as problem:
+        raise OutputError(f"cannot write the sweep {folder}: {problem.strerror}") from None
+    if handle is None:
+        raise OutputError(f"another sweep is writing to {folder}: wait until it has finished")
+    try:
+        yield
+    finally:
+        os.close(handle)
 
 
 def check_seed(numbers, start, seed: int) -> None:
