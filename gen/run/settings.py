@@ -23,6 +23,7 @@ from .record.means import BINS
 from .step.integrator import Integrator, compiled
 from .step.prepared import Prepared, asked, checked_threads, checked_tolerance, choose, prepare
 from .step.evaluated import Evaluated
+from .step.real import real_array
 
 _FORMULA = typing.get_args(Expr)
 KINDS = ("states", "energy", "momentum", "casimirs")
@@ -134,8 +135,10 @@ def _read(spec: Spec, what: str, value):
 
 
 def _placed(start, numbers: Evaluated):
-    """The vectors of a file on the sites of the spec; another start stays."""
-    return start.placed(numbers) if isinstance(start, Field) else start
+    """The vectors of a file on the sites of the spec, those of a list as an array; another start stays."""
+    if isinstance(start, Field):
+        return start.placed(numbers)
+    return real_array(start, None, "a state") if isinstance(start, (list, tuple)) or hasattr(start, "__array__") else start
 
 
 def whole(value, what: str) -> int:

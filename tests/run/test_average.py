@@ -236,6 +236,16 @@ def test_files_that_are_none(tmp_path):
 
 
 @quick
+def test_averages_are_a_mapping_and_a_start_may_be_a_list():
+    spec = smidgen.load_text(SPIN)
+    found = smidgen.average(spec, time=1, start=[[0, 0, 1]])
+    assert [*found] == ["energy", "mz", "mx"] and len(found) == 3 and "mz" in found and dict(found)["mz"] == found["mz"] == found.get("mz")
+    assert found == smidgen.average(spec, time=1, start=np.array([[0.0, 0, 1]]))
+    with pytest.raises(smidgen.errors.ColumnError, match="no average of 'mzz'; did you mean 'mz'"):
+        found["mzz"]
+
+
+@quick
 def test_a_file_that_cannot_be_is_told_before_the_first_member(tmp_path):
     seen = []
     for place in (tmp_path, tmp_path / "nowhere" / "a.json"):

@@ -45,6 +45,12 @@ def test_a_column_that_is_not_there(one):
     assert isinstance(said.value, ColumnError) and str(said.value) == "a result of vortex_tracers has no column 'enrgy'; did you mean 'energy'?"
 
 
+def test_a_column_is_named_by_a_text(one):
+    for wrong in (0, ["t"], None):
+        with pytest.raises(ColumnError, match="there are: step, t"):
+            one[wrong]
+
+
 def test_a_dataset_holds_all_columns_over_named_axes(one):
     data = one.to_xarray()
     assert data["w"].dims == ("t", "site_w", "component") and data["p"].dims == ("t", "site_p", "component")

@@ -339,7 +339,7 @@ def test_members_that_cannot_begin_are_named():
     (dict(start=np.zeros((3, 2))), "shape"), (dict(start="abc"), "no start 'abc'"), (dict(start=np.ones((3, 2, 3))), "has 1 sites"),
     (dict(parameters={"a": [1.0, 2.0]}), "the numbers of members differ: starts: 3, 'a': 2"), (dict(parameters={"n": [1, 2, 3]}), "'n' must be the same"), (dict(parameters={"a": [1, 2, np.inf]}), "member 2"),
     (dict(parameters={"B": np.ones((3, 2))}), "list of 3 numbers"), (dict(what="spin"), "has no output 'spin'"), (dict(threads=0), "at least 1"), (dict(parameters={"c": 1}), "c"),
-    (dict(start=[["x"]]), "array of shape"), (dict(steps=None), "no duration"), (dict(every=0), "every must be from 1")])
+    (dict(start=[["x"]]), "array of shape"), (dict(parameters={"a": [1, [2, 3], 4]}), "'a' must be a number, or an array"), (dict(start=[[[1, 0, 0]], [[1]]]), "array of shape"), (dict(steps=None), "no duration"), (dict(every=0), "every must be from 1")])
 def test_what_does_not_fit_is_refused(given, said):
     given = {"start": points(3), "h": 0.1, "steps": 10, **given}
     with pytest.raises(smidgen.UsageError, match=said):

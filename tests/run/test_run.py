@@ -229,6 +229,7 @@ def test_the_edge_of_a_multiple(relative, good):
     ({"time": -1.0}, "negative h"), ({"every": 0}, "every"), ({"every": 10 ** 12 + 1}, "every"),
     ({"what": ["spin"]}, "momentum"), ({"start": "nowhere"}, "ring"), ({"name": "x"}, "demo"),
     ({"steps": 2.5}, "integer"), ({"seed": -1}, "seed"), ({"every": "2"}, "every"),
+    ({"start": [[1, 0], [0]]}, "a state must be an array of numbers"), ({"start": [["a"] * 3] * 3}, "a state must be an array of numbers"),
     ({"h": "q"}, "h:1:1"), ({"h": "w"}, "h:1:1"), ({"h": "1/0"}, "finite|zero"), ({"h": [1]}, "number"),
     ({"time": 1e300}, "more than"), ({"time": 1e300, "h": 1e-300}, "more than"), ({"period": 0.0}, "the period must be a multiple of h .* and not 0"), ({"period": "0*pi"}, "the period must be")])
 def test_wrong_settings(toy, given, said):

@@ -91,7 +91,7 @@ def test_names_may_come_from_a_generator(path, tmp_path):
     found = sweep(path, out=tmp_path / "kinds", axes={"b": np.arange(1, 3), "a": [np.float32(0.5), np.longdouble(1)]}, steps=2, processes=1)
     assert [cell["parameters"] for cell in found] == [{"b": b, "a": a} for b in (1, 2) for a in (0.5, 1)]
     assert sweep(path, out=tmp_path / "kinds", axes={"b": [1, 2], "a": [0.5, 1.0]}, steps=2, processes=1) == found
-    for values in (0.5, "0.5", np.array(0.5), iter([0.5])):
+    for values in (0.5, "0.5", np.array(0.5), iter([0.5]), {"b": 1}):
         with pytest.raises(smidgen.UsageError, match="the axis 'b' of a sweep must be a list of values"):
             sweep(path, out=tmp_path / "other", axes={"b": values})
 

@@ -80,7 +80,7 @@ class Result(ReadOnly):
         Raises ColumnError, a KeyError.
         """
         columns = {"step": self.step, "t": self.t, **(self.w or {}), **self.values}
-        if name not in columns:
+        if not isinstance(name, str) or name not in columns:
             raise ColumnError(f"a result of {self.meta.get('spec')} has no column '{name}'{guess(str(name), list(columns), {})}")
         return columns[name]
 

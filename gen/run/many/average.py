@@ -20,9 +20,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import OutputError, UsageError
+from ...errors import ColumnError, OutputError, UsageError
 from ...language.spec import Spec
-from ...public import few, public
+from ...public import few, guess, public
 from ...read.given import time as time_of
 from ...read.shipped import SpecLike, spec_or_name
 from ...version import __version__
@@ -40,7 +40,7 @@ PART, BETWEEN = ".part", 30.0       # the ending of a file that is not complete;
 
 
 @dataclass(frozen=True)
-class Averages:
+class Averages(Mapping):
     """The result of `smidgen.average`: a mapping from the names of quantities to their Average.
 
     :ivar meta: everything that was chosen, and `samples`, the number of samples.
@@ -49,7 +49,16 @@ class Averages:
     of: dict
 
     def __getitem__(self, name: str) -> Average:
+        """Raises ColumnError, a KeyError."""
+        if name not in self.of:
+            raise ColumnError(f"there is no average of '{name}'{guess(str(name), list(self.of), {})}")
         return self.of[name]
+
+    def __iter__(self):
+        return iter(self.of)
+
+    def __len__(self) -> int:
+        return len(self.of)
 
     def __repr__(self) -> str:
         return f"<Averages {self.meta['spec']}: {few(self.of)}; {self.meta['samples']} samples of {self.meta['members']} member{'s' * (self.meta['members'] != 1)}>"

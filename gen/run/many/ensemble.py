@@ -208,7 +208,11 @@ def _stacked(start) -> np.ndarray:
 def _is_own(spec, name: str, value) -> bool:
     """Is there a value for each member? Checks those."""
     p = next((p for p in spec.parameters if p.name == name), None)
-    if p is None or np.ndim(value) != (2 if p.kind == "array" else 1):
+    try:
+        dimensions = np.ndim(value)
+    except ValueError:
+        raise UsageError(f"'{name}' must be a number, or an array with a value for each member") from None
+    if p is None or dimensions != (2 if p.kind == "array" else 1):
         return False
     if p.kind == "int" or p.fixed:
         raise UsageError(f"'{name}' must be the same for all members: it is {'an integer parameter' if p.kind == 'int' else 'fixed when the model is compiled'}")

@@ -59,7 +59,7 @@ def cells_of(axes: Mapping[str, list], starts: int | None, seed: int | None) -> 
     """Every combination of the values; for each the seeds from `seed` on, or that one. Raises UsageError for none, or too many."""
     total = starts or 1
     for name, values in axes.items():
-        if isinstance(values, str) or not hasattr(values, "__getitem__") or getattr(values, "ndim", 1) == 0:
+        if isinstance(values, (str, Mapping)) or not hasattr(values, "__getitem__") or getattr(values, "ndim", 1) == 0:
             raise UsageError(f"the axis '{name}' of a sweep must be a list of values, not {values!r}")
         total *= len(values)
     if not 1 <= total <= limits.CELLS:

@@ -12,5 +12,5 @@ def real_array(given, kind, what: str) -> np.ndarray:
     imaginary parts numpy would drop."""
     try:
         return np.ascontiguousarray(real(given), dtype=kind)
-    except (TypeError, ValueError):
-        raise UsageError(f"{what} must be an array of {'real ' * np.iscomplexobj(given)}numbers") from None
+    except (TypeError, ValueError) as problem:
+        raise UsageError(f"{what} must be an array of {'real ' * (isinstance(problem, TypeError) and np.iscomplexobj(given))}numbers") from None
