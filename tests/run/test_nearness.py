@@ -79,6 +79,21 @@ def test_the_steps_to_outputs_are_looked_at():
     assert nearest(1.9975, every=5, steps=4) is None
 
 
+def test_a_run_that_goes_on_knows_what_was_near_before(tmp_path):
+    """The field is strong in the first two steps alone."""
+    spec, calls = smidgen.load_text(FIELD.format(kind="sphere", n=1, h=1.9975, every=1, size=1).replace('"w[i].z"', '"w[i].z*if(t < 3, 1, 0.1)"')), []
+
+    def stop(done):
+        calls.append(done)
+        if len(calls) == 4:
+            raise RuntimeError
+
+    whole = smidgen.run(spec, steps=40).summary["nearest"]
+    with pytest.raises(RuntimeError):
+        smidgen.run(spec, steps=40, out=tmp_path / "a.npz", checkpoint=5, progress=stop)
+    assert whole["step"] in (1, 2) and smidgen.resume(tmp_path / "a.npz").summary["nearest"] == whole
+
+
 def test_the_command_warns(tmp_path, capsys):
     path = tmp_path / "field.toml"
     path.write_text(FIELD.format(kind="sphere", n=1, h=1.9975, every=1, size="1"))

@@ -41,7 +41,7 @@ FACTS = {           # kind of a part -> is this what it says of itself?
     "rows": lambda facts: True,
     "state": lambda facts: (count(facts.get("count")) and count(facts.get("rows")) and number(facts.get("seconds"))
                             and count(facts.get("outputs")) and table(table(finite_or_not))(facts.get("largest"))
-                            and listed(triple)(facts.get("substeps"))),
+                            and listed(triple)(facts.get("substeps")) and either(none, triple)(facts.get("nearest"))),
 }
 NEEDED = {"run": set(), "rows": {"t"}, "state": {"state"}}
 

@@ -85,13 +85,14 @@ class Recorder:
 
     def facts(self) -> dict:
         """What a resumed run must know beside the state and the rows."""
-        return {**self.deviations.facts(), "substeps": self.substeps, **({} if self.means is None else {"means": self.means.statistics.facts()})}
+        return {**self.deviations.facts(), "substeps": self.substeps, "nearest": self.block.seen(), **({} if self.means is None else {"means": self.means.statistics.facts()})}
 
     def go_on(self, facts: dict) -> None:
         """Be where `facts` were taken."""
         self.begun = True
         self.deviations.go_on(facts)
         self.substeps = [tuple(row) for row in facts["substeps"]]
+        self.block.go_on(facts.get("nearest"))
         if self.means is not None:
             self.means.statistics.go_on(facts["means"])
 

@@ -51,6 +51,15 @@ class Block:
         rho, (site, step) = float(np.sqrt(self.nearest[0])), self.where.tolist()
         return {"rho": rho, "site": site, "step": step, "t": model.t0 + step * model.h} if rho < NEAR else None
 
+    def seen(self) -> list | None:
+        """The step nearest to a centre so far, as JSON has it: rho^2, site, step; None before one was looked at."""
+        return [float(self.nearest[0]), *self.where.tolist()] if np.isfinite(self.nearest[0]) else None
+
+    def go_on(self, seen: list | None) -> None:
+        """Be where `seen` was told."""
+        if seen is not None:
+            self.nearest[0], self.where[:] = seen[0], seen[1:]
+
 
 def flags_of(columns, asked) -> np.ndarray:
     """Of each column, is it asked for? The components of the momentum are found together."""
