@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from ..errors import Exit
-from .options import json_option, model_options, spec_argument, whole
+from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen validate heisenberg_chain
@@ -19,10 +19,14 @@ def add(commands):
     parser.add_argument("--all", action="store_true", help="validate every run of the spec")
     parser.add_argument("--steps", type=whole, help="number of steps to compare (default: 100)")
     parser.add_argument("--points", type=whole, default=5, help="number of random states (default: 5)")
-    parser.add_argument("--h", help="the step")
-    parser.add_argument("--start", help="start of the spec to use")
-    parser.add_argument("--seed", type=whole, help="seed of the random start")
+    for name in ("h", "start", "seed"):
+        run_option(parser, name)
+    processor_options(parser)
+    run_option(parser, "real")
     json_option(parser)
+
+
+CHOICES = ("method", "solver", "effects", "h", "seed", "native", "real")
 
 
 def command(args):
@@ -31,8 +35,7 @@ def command(args):
     from ..check.validate import validate
     spec = load_spec(args.spec, args.library)
     runs = [r.name for r in spec.runs] if args.all and spec.runs else [args.run]
-    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
-             if getattr(args, w) is not None}
+    given = {**chosen(args, CHOICES), "start": None if args.start is None else start_of(args.start)}
     reports = [validate(spec, run, steps=args.steps, points=args.points,
                         parameters=dict(args.parameters), **given) for run in runs]
     show(args, reports)

@@ -4,7 +4,7 @@ from __future__ import annotations
 import argparse
 
 from ..errors import Exit, OutputError
-from .options import feature_option, model_options, spec_argument, whole
+from .options import chosen, feature_option, model_options, run_option, spec_argument, start_of, whole
 from .say import say
 
 EXAMPLES = """  smidgen verify heisenberg_chain --set n=10
@@ -23,9 +23,8 @@ def add(commands):
     tier = parser.add_mutually_exclusive_group()
     tier.add_argument("--quick", action="store_true", help="use fewer states and shorter runs")
     tier.add_argument("--long", type=steps, metavar="N", help="measure the growth of round-off over N steps")
-    parser.add_argument("--h", help="the step")
-    parser.add_argument("--start", help="start of the spec to use")
-    parser.add_argument("--seed", type=whole, help="seed of the random start")
+    for name in ("h", "start", "seed"):
+        run_option(parser, name)
     parser.add_argument("--layouts", action="store_true", help="include threads, wavefronts and MPI ranks (compiles lattices by rows twice more)")
     parser.add_argument("--json", metavar="FILE", dest="file", help="write the certificate as JSON to FILE, or - for stdout")
 
@@ -43,8 +42,7 @@ def command(args):
     from ..read.shipped import load_spec
     from ..tables import show
     from ..check.verify import verify
-    given = {w: getattr(args, w) for w in ("method", "solver", "effects", "h", "start", "seed")
-             if getattr(args, w) is not None}
+    given = {**chosen(args, ("method", "solver", "effects", "h", "seed")), "start": None if args.start is None else start_of(args.start)}
     certificate = verify(load_spec(args.spec, args.library), args.run, tier=args.long or ("quick" if args.quick else "normal"),
                          parameters=dict(args.parameters), features=args.features, layouts=args.layouts, **given)
     if args.file != "-":

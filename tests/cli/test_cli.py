@@ -264,6 +264,21 @@ def test_validation_can_fail(command, monkeypatch):
     assert cli.main(["validate", TOP]) == 5
 
 
+@pytest.mark.parametrize("word, more", [("validate", ["--real", "long double", "--portable"]), ("verify", [])])
+def test_a_check_begins_in_a_file_as_a_run_does(tmp_path, monkeypatch, word, more):
+    from smidgen import cli
+    (tmp_path / "a.csv").write_text("x,y,z\n0.6,0,0.8\n")
+    seen = []
+
+    def asked(spec, run, **given):
+        seen.append(given)
+        raise smidgen.errors.UsageError("seen")
+    monkeypatch.setattr(import_module(f"smidgen.check.{word}"), word, asked)
+    assert cli.main([word, TOP, "--start", str(tmp_path / "a.csv"), "--seed", "3", "--h", "0.1", *more]) == 2
+    assert seen[0]["start"].tolist() == [[0.6, 0, 0.8]] and (seen[0]["seed"], seen[0]["h"]) == (3, "0.1")
+    assert not more or (seen[0]["real"], seen[0]["native"]) == ("long double", False)
+
+
 # Pipes, terminals, interrupts, defects
 
 def test_a_pipe_that_closes(tmp_path):
