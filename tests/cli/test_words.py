@@ -37,7 +37,7 @@ def rows():
 
 def keys_of_specs() -> set:
     """The lists of the reader, and what stands in its calls of `table`."""
-    found = {*SECTIONS, *runs.KEYS, *(key for kind in KINDS for key in (*kind.keys, "over", "meaning", "unit")), *starts.KEYS, *scene.KEYS, *places.KEYS, *units.KEYS, *pieces.PIECE, *pieces.ARGUMENT,
+    found = {*SECTIONS, *runs.KEYS, *runs.OUTPUT, *runs.AVERAGES, *(key for kind in KINDS for key in (*kind.keys, "over", "meaning", "unit")), *starts.KEYS, *scene.KEYS, *places.KEYS, *units.KEYS, *pieces.PIECE, *pieces.ARGUMENT,
              *space.KINDS, *(key for one in space.KEYS.values() for key in one), "value", "like", "use"}
     for path in (ROOT / "gen/read").glob("*.py"):
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
