@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from ..errors import UsageError
-from .options import json_option, number, spec_argument, study_choices, study_options
+from .options import check_places, json_option, number, spec_argument, study_choices, study_options
 from .say import printed, say
 
 EXAMPLES = """  smidgen choose free_rigid_body --error 1e-8 --time 100
@@ -37,6 +37,9 @@ def command(args):
     from ..progress import progress
     from ..read.shipped import load_spec
     spec = load_spec(args.spec, args.library)
+    if args.out:
+        check_places(args.out)
+        check_addable(spec, args)
     with progress(1000, "choose") as tick:
         choice = choose(spec, args.run, error=args.error, energy=args.energy, symplectic=args.symplectic, seconds=args.seconds, mean=args.mean, **study_choices(args),
                         progress=lambda what, done: tick(int(1000 * done)))
@@ -47,16 +50,20 @@ def command(args):
     print(choice)
 
 
-def written(spec, args, choice) -> Path:
-    """The text of the spec with a run `chosen` at its end."""
-    from ..run.files.durable import write_new
-    path = Path(args.out)
+def check_addable(spec, args) -> None:
+    """Raises UsageError where the run cannot be written as one of the spec."""
     if len(spec.sources) != 1:
         raise UsageError("--out needs a spec that is a single file, but this one includes others")
     if any(run.name == "chosen" for run in spec.runs):
         raise UsageError("the spec already has a run 'chosen'")
     if args.parameters or args.effects or args.seed is not None or args.start is not None:
         raise UsageError("--out adds a run to the spec and cannot be combined with --set, --effects, --seed or --start")
+
+
+def written(spec, args, choice) -> Path:
+    """The text of the spec with a run `chosen` at its end."""
+    from ..run.files.durable import write_new
+    path = Path(args.out)
     base = next((run for run in spec.runs if run.name == args.run), spec.runs[0] if spec.runs else None)
     try:
         write_new(path, f"{spec.sources[0][1].rstrip()}\n\n[runs.chosen]\n{run_text(spec, base, choice)}".encode())

@@ -1,7 +1,7 @@
 """`smidgen cost`: what accuracy costs in time."""
 from __future__ import annotations
 
-from .options import json_option, names, number, spec_argument, study_choices, study_options
+from .options import check_places, json_option, names, number, spec_argument, study_choices, study_options
 from .say import printed, say
 
 EXAMPLES = """  smidgen cost free_rigid_body --time 100
@@ -32,6 +32,7 @@ def command(args):
     """Measure, or read; then the file, the figure and the words."""
     from ..cost import Cost, load_cost
     from ..errors import UsageError
+    check_places(args.out, args.plot)
     table = load_cost(args.table) if args.table else measured(args)
     if args.out:
         say(f"wrote {table.save(args.out)}")

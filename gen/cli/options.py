@@ -90,6 +90,14 @@ def json_option(parser):
     parser.add_argument("--json", action="store_true", help="print the result as JSON on stdout")
 
 
+def check_places(*files) -> None:
+    """Raises OutputError where one of the files that are given cannot be: before the work, not after it."""
+    from ..run.files.durable import check_place
+    for file in files:
+        if file not in (None, "-"):
+            check_place(Path(file))
+
+
 def open_option(parser):
     """--open."""
     parser.add_argument("--open", action="store_true", help="open the file in the browser")

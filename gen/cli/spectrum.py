@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from ..public import few
-from .options import chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
+from .options import check_places, chosen, json_option, model_options, processor_options, run_option, spec_argument, start_of, whole
 from .say import printed, say
 
 EXAMPLES = """  smidgen spectrum heisenberg_chain random --q "0 1/2" --time 200 --every 5 --plot chain.png
@@ -57,6 +57,7 @@ def command(args):
     from ..analyse.spectrum import saved_as
     if args.out not in (None, "-"):
         saved_as(args.out)
+    check_places(args.out, args.plot)
     found = measured(args)
     if args.out == "-":
         return table(found)

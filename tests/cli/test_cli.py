@@ -264,6 +264,22 @@ def test_validation_can_fail(command, monkeypatch):
     assert cli.main(["validate", TOP]) == 5
 
 
+@pytest.mark.parametrize("words", [["cost", TOP, "--out", "no/a.csv"], ["cost", TOP, "--plot", "no/a.png"], ["choose", TOP, "--error", "1e-6", "--out", "no/a.toml"],
+                                   ["spectrum", "heisenberg_chain", "--out", "no/a.npz"], ["spectrum", "heisenberg_chain", "--plot", "no/a.png"]])
+def test_a_file_that_cannot_be_is_told_before_the_work(capsys, monkeypatch, words):
+    from smidgen import cli
+    for module, name in (("cost", "cost"), ("cost", "choose"), ("analyse.spectrum", "spectrum")):
+        monkeypatch.setattr(import_module(f"smidgen.{module}"), name, lambda *a, **k: pytest.fail("the work was begun"))
+    assert cli.main(words) == 8 and re.search("cannot write no/a.*: No such file", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("words, said", [([TOP, "--set", "I1=2"], "cannot be combined with --set"), (["film_pulse"], "a single file")])
+def test_what_cannot_be_added_to_a_spec_is_told_before_the_choice(capsys, monkeypatch, tmp_path, words, said):
+    from smidgen import cli
+    monkeypatch.setattr(import_module("smidgen.cost"), "choose", lambda *a, **k: pytest.fail("the work was begun"))
+    assert cli.main(["choose", *words, "--error", "1e-6", "--out", str(tmp_path / "a.toml")]) == 2 and said in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("word, more", [("validate", ["--real", "long double", "--portable"]), ("verify", [])])
 def test_a_check_begins_in_a_file_as_a_run_does(tmp_path, monkeypatch, word, more):
     from smidgen import cli
