@@ -229,7 +229,7 @@ def row_functions(model) -> list:
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
     apart = [f for one in found.sited.values() for f in one.functions]
-    kernels = [in_lanes(f) for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
+    kernels = [replace(in_lanes(f), inlined="always") for t in row_terms(model) if t.prefix not in found.sited for f in t.functions if f.name == f"{t.prefix}_gradient"]
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
     return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found), zeros(found, number_of_values(found)) if lacking(model.whole) else ()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),

@@ -123,7 +123,7 @@ def count(low, t) -> int:
 def lane_gradient(low, t, gradient, values) -> Function:
     kernel = low.kernel(gradient, t.derived.leaves, own={symbol.name: Local(symbol.name) for symbol in values.values()})
     f = in_lanes(gradient_function(t, kernel, f"{t.prefix}_gradient"))
-    return replace(f, arguments=(*f.arguments, *(Argument("smg_lanes", symbol.name) for symbol in values.values())))
+    return replace(f, arguments=(*f.arguments, *(Argument("smg_lanes", symbol.name) for symbol in values.values())), inlined="always")
 
 
 def of_site(low, t, what: str, e) -> Function:
