@@ -193,7 +193,7 @@ IN_ROWS = (
     (BY_ROWS, r"return closed and ", r"return "),
     (BY_ROWS, r"\(b - a for a, b in zip", r"(a - b for a, b in zip"),
     (BY_ROWS, r"any\(o and not one\.ring >> d & 1", r"any(o and one.ring >> d & 1"),
-    (BY_ROWS, r"differs\(t\) or two_ended\(t\)", r"True"),
+    (BY_ROWS, r"differs\(t\) or unlike_bonds\(t\)", r"True"),
 )
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
