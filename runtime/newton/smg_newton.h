@@ -95,10 +95,10 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
 
 /* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at
  * most SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches
- * meet, and Newton came straight to it. What is not certain must be followed. */
-static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_grew) {
+ * meet, and every iterate at least halved the residual. What is not certain must be followed. */
+static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_stays) {
   if (smg_contracts(bound)) return 1;
-  if (residual_grew || !(bound <= SMG_CLEAR)) return 0;
+  if (residual_stays || !(bound <= SMG_CLEAR)) return 0;
   smg_assemble(s, h);
   return smg_coercive(s);
 }
@@ -198,7 +198,7 @@ static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg
  * the residual grown? */
 typedef struct smg_newton_path {
   smg_real bound, most;
-  int noncontractive, residual_grew;
+  int noncontractive, residual_stays;
 } smg_newton_path;
 
 /* Newton on mbar from where it stands, to stagnation. */
@@ -210,7 +210,7 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
     s->report.iterations = it;
     s->report.residual = now->absolute;
     if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    path->residual_grew = path->residual_grew || smg_residual_grew(now, &last, s->scale);
+    path->residual_stays = path->residual_stays || smg_residual_stays(now, &last, s->scale);
     path->noncontractive = smg_strong_field(now, s->scale) || !smg_contracts(path->bound) || it > 2 * SMG_LATE;
     const int done = smg_stagnates(now, &last, s->scale, it, path->bound) || smg_tolerated(s, now->absolute);
     /* its end is another */
@@ -234,7 +234,7 @@ static smg_status smg_newton(smg_state *s, smg_real h) {
   smg_change now;
   smg_status status = smg_newton_loop(s, h, &path, &now);
   if (status != SMG_OK) return status;
-  const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_grew);
+  const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_stays);
   if (path.noncontractive || !smg_contracts(path.bound)) status = smg_refine_by_newton(s, h, now.rounding_scale);
   else if (!(s->tolerance > 0)) status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
   return status != SMG_OK ? status : certified ? SMG_OK : SMG_WRONG_BRANCH;

@@ -18,6 +18,39 @@ from smidgen.resources import include_flags
 
 OK, WRONG_BRANCH = 0, 3
 
+# -- two spins of which Newton's iteration wanders ----------------------------------------------
+
+WANDERS = """
+[model]
+name = "wanders"
+[space]
+w = { sphere = 2 }
+[parameters]
+a = -1.1800553126659912
+b = -0.29341022213755208
+c = -0.60581064500231063
+d = 0.12138818132288343
+e = 0.71432718986891253
+f = 0.079354082850621843
+[effects.own]
+over = "site(i) of w"
+energy = "a*w[i].x^2 + b*w[i].y^2*w[i].z + c*w[i].z^4 + d*w[i].x*w[i].y + e*w[i].y + f*w[i].x^3"
+[effects.pair]
+over = "pair(i, j) of w"
+energy = "f*dot(w[i], w[j]) + a*w[i].x*w[j].x"
+"""
+
+
+@pytest.mark.parametrize("solver", ["newton", "auto"])
+def test_a_coercive_solution_that_newton_wanders_to_is_not_that_of_the_branch(solver):
+    """J is coercive there, row sums are below 4, and no residual grew, but some hardly shrank. The branch has no fold: continuation in 400 parts of h, by
+    another program, ends in W, with det J of at least 0.29."""
+    w = np.array([[-0.77266620428822619, -0.63359691547701802, 0.039266849234864877], [0.21792752273600824, 0.24842535725660278, -0.94381801037386215]])
+    W = [[-0.77713, -0.58886, 0.22205], [0.73593, 0.53158, 0.41933]]
+    found = smidgen.build(load_text(WANDERS), solver=solver).start(w, h=1.3636302760106398).step().w
+    assert np.abs(found - W).max() < 1e-5
+
+
 # -- one top: three solutions -------------------------------------------------------------------
 
 TOP = """

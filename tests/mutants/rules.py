@@ -71,7 +71,7 @@ BRANCH = (
     (STEP, r"(?<!\w)certified \? SMG_OK : ", r"1 ? SMG_OK : "),
     (STEP, r"(\*sure = )smg_contracts\(.*\);", r"\1 1;"),
     (STEP, r"status == SMG_OK && sure\)", r"status == SMG_OK)"),
-    (STEP, r"if \(residual_grew \|\| !\(bound <= SMG_CLEAR\)\) return 0;", r""),
+    (STEP, r"if \(residual_stays \|\| !\(bound <= SMG_CLEAR\)\) return 0;", r""),
     (STEP, r"if \(smg_contracts\(bound\)\) return 1;", r"if (smg_contracts(bound / 100)) return 1;"),
     (STEP, r"return smg_(dense|band|sparse)_coercive\(.*\);", r"return 1;"),
     (STEP, r"\*sure = smg_contracts\(most\)", r"*sure = most <= 4"),

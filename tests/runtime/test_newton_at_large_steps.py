@@ -44,8 +44,8 @@ def followed(case, h, **more):
 
 
 def test_a_matrix_that_is_not_coercive_has_its_branch_followed(tmp_path):
-    """Sites of a random graph: the step is accepted as it stands while x.J x >= x.x/4, and followed from h = 0 beyond."""
-    seen = [followed(begin(texts.read(texts.GLASS.replace("random = 3", "random = 7"), tmp_path)), h, solver="newton") for h in (0.8, 0.9, 1.1, 1.2)]
+    """Sites of a random graph: a step of which every iterate halves the residual is accepted as it stands while x.J x >= x.x/4, and followed from h = 0 beyond."""
+    seen = [followed(begin(texts.read(texts.GLASS.replace("random = 3", "random = 7"), tmp_path)), h, solver="newton") for h in (0.6, 0.7, 1.1, 1.2)]
     assert all(was == should for was, should in seen) and {was for was, _ in seen} == {True, False}
 
 
