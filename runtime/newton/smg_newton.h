@@ -194,8 +194,8 @@ static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg
   return SMG_OK;
 }
 
-/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, has
- * the residual grown? */
+/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, did
+ * some iterate not halve the residual? */
 typedef struct smg_newton_path {
   smg_real bound, most;
   int noncontractive, residual_stays;
