@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..language import codes
-from ..language.expr import Expr, Idx, Num, Op, Spin, Time, slots_of, walk, with_index
+from ..language.expr import Expr, Idx, Num, Op, Spin, slots_of, timed, walk, with_index
 from ..language.polynomial import Polynomials, TooLong, added, dot
 from ..language.spec import Effect, Lattice, Once, Sites, Spec, Term
 from ..language.units import NONE, TIME, quotient
@@ -148,11 +148,7 @@ class Torque(Term, Effect):
 
     def opened(self, spec: Spec, method) -> bool:
         """Is it a field even where it has a closed form? Steps by rows take fields in time, but a response that is the same at all times."""
-        return method.across or method.by_field and self.lags(spec) or self.timed and method.pushed_by_rows and any(isinstance(e.over, Lattice) for e in spec.effects)
-
-    @property
-    def timed(self) -> bool:
-        return any(isinstance(e, Time) for e in walk(self.value))
+        return method.across or method.by_field and self.lags(spec) or timed(self.value) and method.pushed_by_rows and any(isinstance(e.over, Lattice) for e in spec.effects)
 
     def lags(self, spec: Spec) -> bool:
         """Does Gilbert's damping act on it? Its closed form then assumes |w| = r, which does not hold in the stages of methods that leave the sphere."""

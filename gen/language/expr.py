@@ -113,6 +113,11 @@ def walk(e: Expr):
         yield from walk(e.index)
 
 
+def timed(*formulas) -> bool:
+    """Does the time enter one of them?"""
+    return any(isinstance(node, Time) for e in formulas for node in walk(e))
+
+
 def slots_of(e: Expr) -> tuple:
     """The distinct (family, slot) pairs of an expression, in order of appearance."""
     return tuple(dict.fromkeys((n.family, n.slot) for n in walk(e) if isinstance(n, Spin)))

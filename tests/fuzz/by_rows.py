@@ -76,7 +76,7 @@ def kind_of(m) -> tuple:
 
 @dataclass
 class Draft:
-    """A lattice for which a text is being written. room: how many numbers may still differ from site to site; space: what is said of each family; warm: is there
+    """A lattice for which a text is being written. room: how many numbers may still differ from site to site, so that the C stays short; space: what is said of each family; warm: is there
     thermal noise? sided: does some spin feel a bond whose other ends are 0? landau: damping in the form of Landau and Lifshitz? curved: an energy that is not quadratic? grows: one without a bound at all times?"""
     dice: object
     method: object

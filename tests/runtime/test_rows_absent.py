@@ -77,6 +77,50 @@ def test_terms_with_several_ends(name, method):
     assert by_rows(of_ends(name), method) and distance(of_ends(name), method) <= 2e-14
 
 
+TWO_FAMILIES = """
+[model]
+name = "two"
+[space]
+a = { sphere = "n" }
+b = { sphere = "n", kappa = 2 }
+[parameters]
+n = 12
+[lattices.line]
+size = ["n"]
+boundary = "open"
+bonds.three = [{ at = [[0, -1], [0, 0], [0, 1]] }]
+bonds.near = [{ offset = [1] }]
+bonds.up = [{ offset = [0] }, { offset = [1] }]
+[effects.within_a]
+over = "bond(i, j) of line.near on a"
+energy = "-dot(a[i], a[j])"
+[effects.within_b]
+over = "bond(i, j) of line.near on b"
+energy = "-0.5*dot(b[i] - b[j], b[i] - b[j])*(1 + 0.2*uniform(2, i, j))"
+[effects.mixed]
+over = "bond(i of a, j of b, k of a) of line.three"
+energy = "0.3*normal(1, j)*(1 + mod(i, 3))*triple(a[i], b[j], a[k])"
+[effects.push]
+over = "bond(i of a, j of b) of line.up"
+on = "b[j]"
+torque = "0.2*cos(t)*(1 + mod(i, 2))*cross(b[j], cross(b[j], a[i]))"
+[effects.holes]
+over = "site(i) of a"
+absent = "uniform(4, i) < 0.2"
+[starts.random.a]
+random = 1
+[starts.random.b]
+random = 2
+"""
+
+
+@pytest.mark.parametrize("method", [pytest.param(m, marks=() if m == MIDPOINT else pytest.mark.long) for m in METHODS])
+@pytest.mark.parametrize("edge", ["open", pytest.param("periodic", marks=pytest.mark.long)])
+def test_ends_of_two_families(edge, method):
+    spec = smidgen.load_text(TWO_FAMILIES.replace('"open"', f'"{edge}"'))
+    assert by_rows(spec, method) and distance(spec, method) <= 2e-14
+
+
 # Formulas that are infinite at site 3, which is absent
 
 BETWEEN = ("bond(i of a, j of b) of between.near", "(0.3 + 0.1/abs(i - 3))*dot(a[i], b[j])")

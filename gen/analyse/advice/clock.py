@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...chance import generator
-from ...language.expr import Time, walk
+from ...language.expr import timed
 from .equation import StepEquation
 from .pace import CLOSER, FOUR, Pace, together
 
@@ -34,7 +34,7 @@ class Clock:
 
 def is_timed(scene) -> bool:
     """Does H, or a torque, depend on t?"""
-    return any(isinstance(node, Time) for e in scene.effects for formula in e.formulas.values() for node in walk(formula))
+    return any(timed(*e.formulas.values()) for e in scene.effects)
 
 
 def clock(equation: StepEquation, span: float) -> Clock | None:

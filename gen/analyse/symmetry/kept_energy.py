@@ -7,7 +7,7 @@ import numpy as np
 import sympy as sp
 
 from ...methods import METHODS
-from ...language.expr import Time, walk
+from ...language.expr import timed
 from ...run.step.evaluated import casimir_matrices
 from . import polynomial as poly
 from .conserved import PAIRS
@@ -26,7 +26,7 @@ def time_dependent(asked: Asked):
 
 def _holds_time(spec) -> bool:
     """Is t in any formula of the energy? No work is too much for this question."""
-    return any(isinstance(node, Time) for e in spec.energies for node in walk(e.value))
+    return any(timed(e.value) for e in spec.energies)
 
 
 def _timed(found, of: str = "energy") -> bool:

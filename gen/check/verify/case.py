@@ -9,7 +9,7 @@ from ...chance import generator
 from ...compile.select import select
 from ...errors import RunError
 from ...extremes import largest
-from ...language.expr import Time, walk
+from ...language.expr import timed
 from ...language.spec import Spec
 from ...run.settings import Settings
 from ...run.step.start import given_or_at, put_away
@@ -36,7 +36,7 @@ class Case:
         self.leaves = Leaves(s.numbers.kappas.astype(LONG), s.numbers.casimir_matrices.astype(LONG), s.numbers.radii)
         self.dice = generator("verify", seed)
         self.w, self.h, self.sites = self._start(), s.h, self.witness.sites
-        self.timed = any(isinstance(node, Time) for e in self.scene.effects for formula in e.formulas.values() for node in walk(formula))
+        self.timed = any(timed(*e.formulas.values()) for e in self.scene.effects)
         self.small = self.sites <= LARGEST_DENSE
         self.tracers = self._tracers()
         self.probe = self._probe()

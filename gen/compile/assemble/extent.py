@@ -147,16 +147,14 @@ def product(e, parts) -> tuple:
 
 def times(x, y) -> tuple:
     """By the products of their ends; where one is missing, by signs."""
+    if all(z[0] is not None and side(z[0]) == 1 for z in (x, y)):
+        return x[0] * y[0], x[1] * y[1] if known(x[1], y[1]) else None
     if known(*x, *y):
         if y[0] == -y[1] or x[0] == -x[1]:
             most = size(*x) * size(*y)
             return -most, most
-        if side(x[0]) == side(y[0]) == 1:
-            return x[0] * y[0], x[1] * y[1]
         corners = [a * b for a in x for b in y]
         return least(*corners), largest(*corners)
-    if all(z[0] is not None and side(z[0]) == 1 for z in (x, y)):
-        return x[0] * y[0], None
     for (a, b), z in ((x, y), (y, x)):
         if a is not None and a == b and side(a):
             ends = tuple(None if end is None else a * end for end in z)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...chance import generator
-from ...language.expr import Time, slots_of, walk
+from ...language.expr import slots_of, timed
 from ...language.held import standing
 from ...language.tracers import moves_tracers
 
@@ -26,8 +26,7 @@ def with_tracers(spec) -> set[str]:
 
 def of_time(spec, effects=None) -> bool:
     """Does an effect (of those named) depend on the time?"""
-    return any(isinstance(node, Time) for e in spec.energies if effects is None or e.name in effects
-               for node in walk(e.value))
+    return any(timed(e.value) for e in spec.energies if effects is None or e.name in effects)
 
 
 def driven(spec, effects=None) -> bool:
