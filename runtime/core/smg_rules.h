@@ -14,11 +14,6 @@ SMG_INLINE int smg_contracts(smg_real bound) { return bound <= SMG_CONTRACTS; }
  * round-off than Newton's correction does. */
 SMG_INLINE int smg_plain_end_serves(smg_real bound) { return bound <= SMG_DAMPS; }
 
-/* May an iterate have left for somewhere else? Its residual is more than half the last one, and far from settled. */
-static inline int smg_residual_stays(const smg_change *now, const smg_change *last, smg_real scale) {
-  return now->absolute > SMG_SLOWED * last->absolute && now->absolute > SMG_NEARLY * scale;
-}
-
 /* Do increments that turn spins far, by a field much stronger than the state, bring more round-off than mbar? */
 static inline int smg_strong_field(const smg_change *now, smg_real size) {
   return now->rounding_scale > SMG_STRONG_FIELD * size;

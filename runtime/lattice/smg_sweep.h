@@ -151,7 +151,7 @@ static int smg_sweeps_solved(smg_state *s, smg_real h) {
   smg_sweep_midpoints(s, h);
 #if SMG_MATRIX_FREE
   smg_assemble(s, h);
-  if (solved && (smg_row_bound(s) < 1 || smg_on_branch(s, h, smg_row_bound(s), 0))) {
+  if (solved && (smg_row_bound(s) < 1 || smg_on_branch(s, h, smg_row_bound(s)))) {
     (void)smg_end_sweeps(s, h, &row); /* the matrix took another evaluation */
     return 1;
   }

@@ -93,14 +93,41 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
   return bad;
 }
 
+/* Is a correction of midpoints right to half of the way from w to `end`? */
+static int smg_leads_to(const smg_state *s, const smg_real *d, const smg_real *end) {
+  smg_real off = 0, way = 0;
+  for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {
+    const int64_t k = smg_site(&s->c, row);
+    for (int64_t b = 3 * k; b < 3 * k + 3; ++b) {
+      way = smg_max(way, smg_site_up(s, k) * smg_abs(end[b] - s->w[b]));
+      off = smg_max(off, smg_site_up(s, k) * smg_abs(end[b] - s->w[b] - d[b]));
+    }
+  }
+  return off <= SMG_REACH_OF_NEWTON * way;
+}
+
+/* Does the curve from W = w lead to the solution, as far as its beginning tells? There J - I grows like h: so where J
+ * is coercive for h, it is for less. And Newton's correction from there must lead to the solution. */
+static int smg_begins_well(smg_state *s, smg_real h) {
+  smg_real *end = s->mbar, *d = s->curve, bound;
+  int sign;
+  s->mbar = s->w;
+  (void)smg_evaluate(s, h);
+  smg_assemble(s, h);
+  const int well = smg_coercive(s) && smg_correction(s, h, d, &bound, &sign) == 0 && smg_leads_to(s, d, end);
+  s->mbar = end;
+  (void)smg_evaluate(s, h);
+  return well;
+}
+
 /* Is the solution certainly on the branch of W = w at h = 0? J - I is a contraction; or the row sums of J - I are at
  * most SMG_CLEAR, the symmetric part of J is at least 1/4, which keeps it clear of singular matrices, where branches
- * meet, and every iterate at least halved the residual. What is not certain must be followed. */
-static int smg_on_branch(smg_state *s, smg_real h, smg_real bound, int residual_stays) {
+ * meet, and the curve begins well. What is not certain must be followed. */
+static int smg_on_branch(smg_state *s, smg_real h, smg_real bound) {
   if (smg_contracts(bound)) return 1;
-  if (residual_stays || !(bound <= SMG_CLEAR)) return 0;
+  if (!(bound <= SMG_CLEAR)) return 0;
   smg_assemble(s, h);
-  return smg_coercive(s);
+  return smg_coercive(s) && smg_begins_well(s, h);
 }
 
 /* Is the increment u, whose plain evaluation left the residuals r, right to the round-off of each site? noise: that of
@@ -194,11 +221,10 @@ static smg_status smg_refine_plain(smg_state *s, smg_real h, smg_real bound, smg
   return SMG_OK;
 }
 
-/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive, did
- * some iterate not halve the residual? */
+/* The way that Newton's loop took: the largest bounds on J - I, now and on the way; is the step non-contractive? */
 typedef struct smg_newton_path {
   smg_real bound, most;
-  int noncontractive, residual_stays;
+  int noncontractive;
 } smg_newton_path;
 
 /* Newton on mbar from where it stands, to stagnation. */
@@ -210,7 +236,6 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
     s->report.iterations = it;
     s->report.residual = now->absolute;
     if (!(now->absolute <= SMG_MAX)) return SMG_NOT_FINITE;
-    path->residual_stays = path->residual_stays || smg_residual_stays(now, &last, s->scale);
     path->noncontractive = smg_strong_field(now, s->scale) || !smg_contracts(path->bound) || it > 2 * SMG_LATE;
     const int done = smg_stagnates(now, &last, s->scale, it, path->bound) || smg_tolerated(s, now->absolute);
     /* its end is another */
@@ -230,11 +255,11 @@ static smg_status smg_newton_loop(smg_state *s, smg_real h, smg_newton_path *pat
 
 /* Newton, its branch, and the end of the step. */
 static smg_status smg_newton(smg_state *s, smg_real h) {
-  smg_newton_path path = {0, 0, 0, 0};
+  smg_newton_path path = {0, 0, 0};
   smg_change now;
   smg_status status = smg_newton_loop(s, h, &path, &now);
   if (status != SMG_OK) return status;
-  const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound), path.residual_stays);
+  const int certified = smg_on_branch(s, h, smg_max(path.most, path.bound));
   if (path.noncontractive || !smg_contracts(path.bound)) status = smg_refine_by_newton(s, h, now.rounding_scale);
   else if (!(s->tolerance > 0)) status = smg_refine_plain(s, h, path.bound, now.rounding_scale);
   return status != SMG_OK ? status : certified ? SMG_OK : SMG_WRONG_BRANCH;

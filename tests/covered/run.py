@@ -46,8 +46,9 @@ def measure(place: Path) -> tuple[dict, str]:
 
 
 def run(place: Path, env: dict, marks: str, files: list) -> str:
+    """The last line of pytest. Each run has a folder of its own: a program at the path of an earlier one would replace its counts."""
     said = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", marks, "-k", DESELECTED,
-                           f"--basetemp={place / 'tmp'}", *files], cwd=ROOT, env=env, capture_output=True, text=True)
+                           f"--basetemp={place / marks.replace(' ', '-')}", *files], cwd=ROOT, env=env, capture_output=True, text=True)
     if said.returncode not in (0, 1):
         raise RuntimeError(said.stdout[-3000:] + said.stderr[-1000:])
     return said.stdout.strip().splitlines()[-1]

@@ -93,12 +93,12 @@ def of_midpoints(model) -> Effort:
 
 
 def newton(model) -> Effort:
-    """smg_newton: the loop, its branch, and its end, plain or by Newton on the increment with the noise of the field (smg_noise_of_all)."""
+    """smg_newton: the loop, its branch, there and at its beginning, and its end, plain or by Newton on the increment with the noise of the field (smg_noise_of_all)."""
     loop, rounds = number("SMG_MAX_NEWTON"), number("SMG_ROUNDS")
     end = max(number("SMG_REFINEMENTS"), rounds + 1 + 2 * number("SMG_PROBES") + 1)
     systems = loop + rounds
-    products = 0 if model.plan.matrix else systems * products_of_a_system() + 2 * number("SMG_LANCZOS_STEPS")
-    return Effort(loop + 1 + end, loop + 1 + rounds + 1 + products, systems)
+    products = 0 if model.plan.matrix else (systems + 1) * products_of_a_system() + 4 * number("SMG_LANCZOS_STEPS")
+    return Effort(loop + 1 + 2 + end, loop + 1 + 2 + rounds + 1 + products, systems)
 
 
 def products_of_a_system() -> int:
