@@ -23,11 +23,11 @@ LEAST = 0.99
 RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_at_large_steps|row_(blocks|wave)|rows"
                  r"|rows_(absent|beyond|by_site|classical|composed|families|far|growing|held|in_time|radii|tangent|torques)|runtime|shown|sparse|states_without_memory|units)\.py"
                  r"|/run/test_(checkpoint|ensemble|interface|nearness|parameters|set_state|shared_model|spoilt_states|statuses|tolerance)\.py"
-                 r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|response)\.py"
+                 r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|response|second_solution)\.py"
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
                  r"|/method/test_(sublattice_rows|tangent)\.py|/language/test_draws\.py")
 # Those of which tests that are slow take more.
-SLOW = re.compile(r"test_(bad_steps|compositions|edges_of_\w+|held|lanes|noise_edges|pair_rows|parameters|row_blocks|row_wave|rows|rows_composed|rows_tangent|set_state"
+SLOW = re.compile(r"test_(bad_steps|compositions|draws|edges_of_\w+|held|lanes|noise_edges|pair_rows|parameters|row_blocks|row_wave|rows|rows_composed|rows_tangent|set_state"
                   r"|shared_model|spoilt_states|statuses|tangent|tolerance)\.py")
 DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
