@@ -22,9 +22,9 @@
 /* And up to which coercivity is tried, before the curve is followed. Speed alone: either way, and with 0, the same. */
 #define SMG_CLEAR 4
 
-/* Part of the way to the solution by which Newton's correction from W = w may miss it, without the curve being followed:
- * 1/2 is where Kantorovich's theorem ends. Two spins with random energies of degree 4, 215,000 steps of 60,000 orbits,
- * 193,000 of them beyond SMG_CONTRACTS: none on another branch; with 3/4 in place of 1/2, 4; without this rule, 28. */
+/* Part of the way to the solution by which Newton's correction from W = w may miss it, without the curve being
+ * followed: 1/2 is where Kantorovich's theorem ends. Two spins with random energies of degree 4, 60,000 orbits with
+ * 193,000 steps beyond SMG_CONTRACTS: none ends on another branch; with 3/4, four do, without this rule 28. */
 #define SMG_REACH_OF_NEWTON (smg_real)0.5
 
 /* Row sums of J - I up to which a plain evaluation ends a step. It enlarges nothing up to 1, but a step near the cone
