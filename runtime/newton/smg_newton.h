@@ -93,7 +93,7 @@ static int64_t smg_correction(smg_state *s, smg_real h, smg_real *d, smg_real *b
   return bad;
 }
 
-/* Is a correction of midpoints right to half of the way from w to `end`? */
+/* Does a correction d of the midpoints w lead to `end`, or miss it by no more than a part of the way? */
 static int smg_leads_to(const smg_state *s, const smg_real *d, const smg_real *end) {
   smg_real off = 0, way = 0;
   for (int64_t row = 0; row < smg_coupled(&s->c); ++row) {

@@ -93,7 +93,7 @@ def of_midpoints(model) -> Effort:
 
 
 def newton(model) -> Effort:
-    """smg_newton: the loop, its branch, there and at its beginning, and its end, plain or by Newton on the increment with the noise of the field (smg_noise_of_all)."""
+    """smg_newton: the loop, the branch (two evaluations where it begins), and the end, plain or by Newton on the increment with the noise of the field (smg_noise_of_all)."""
     loop, rounds = number("SMG_MAX_NEWTON"), number("SMG_ROUNDS")
     end = max(number("SMG_REFINEMENTS"), rounds + 1 + 2 * number("SMG_PROBES") + 1)
     systems = loop + rounds
@@ -127,7 +127,7 @@ def sweeps(model) -> Effort:
     tried = (model.plan.tried if model.plan.rotation else 0) or number("SMG_TRIED_SWEEPS", min if model.plan.matrix else max)
     if model.plan.matrix:
         return Effort(tried + 3, 0, tried)
-    return Effort(tried + 4, 2 + 2 * number("SMG_LANCZOS_STEPS"), tried)
+    return Effort(tried + 6, 4 + 4 * number("SMG_LANCZOS_STEPS") + products_of_a_system(), tried)
 
 
 def closed_form() -> Effort:

@@ -203,7 +203,7 @@ static size_t smg_step_tangent_memory(SMG_UNUSED const smg_model *model) {
 #if SMG_HAS_COUPLED
   smg_coefficients c;
   c.model = model;
-#if SMG_BY_ROWS /* more than site by site: a matrix of theirs keeps no more than its permutation */
+#if SMG_BY_ROWS /* more than steps by sites need, whose matrix keeps at most its permutation */
   return sizeof(smg_real) * smg_row_push_size(&c);
 #else
   return sizeof(smg_real) * (size_t)(6 * smg_sites(&c) + smg_kept_size(&c));
