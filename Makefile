@@ -12,7 +12,7 @@ MANUAL := argparse-manpage --module smidgen.cli.parser --function make_parser --
 PAGE   := out/smidgen.1
 PYTEST := $(KEEPING) -m pytest -n 2 --dist worksteal
 
-.PHONY: demo install site manual test quick test-long bench bench-scenes hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports clean
+.PHONY: demo install site manual test quick test-long bench bench-scenes hard mutants coverage fuzz fuzz-specs fuzz-scenes frozen imports files clean
 
 demo: $(VENV)/ready
 	$(PY) -m smidgen.show.demo --out out/demo
@@ -75,6 +75,10 @@ frozen: $(VENV)/ready-test
 # Which room of gen/ imports which: the picture in docs/architecture.md.
 imports: $(VENV)/ready
 	$(PY) tests/support/imports.py --write
+
+# Every source file with the first sentence of its comment: docs/files.md.
+files: $(VENV)/ready
+	$(PY) tests/support/file_index.py --write
 
 # Random specs, Hamiltonians and steps for MINUTES; what they find lies in out/fuzz, what reaches new code joins the corpus.
 fuzz: $(VENV)/ready-test

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from smidgen.build.binary import GENERATOR
 from smidgen.methods import NAMES
-from support import imports
+from support import file_index, imports
 
 ROOT = Path(__file__).parent.parent
 GEN = ROOT / "gen"
@@ -52,6 +52,24 @@ def test_a_library_is_found_again_only_by_the_compiler_that_made_it(arrows):
         wanted += arrows[module] - seen
     beside = {module[0] if len(module) > 1 else f"{module[0]}.py" for module in seen} - set(GENERATOR)
     assert beside == {"errors.py", "public.py", "renamed.py", "resources.py"}
+
+
+def test_every_source_file_says_what_it_is_and_the_page_of_files_has_it():
+    """`make files` writes it anew."""
+    assert file_index.without_comment() == []
+    assert file_index.PAGE.read_text() == file_index.page()
+
+
+def test_the_first_sentence_of_a_file(tmp_path):
+    """Of a docstring, of comments of C, JavaScript and templates; full stops within parentheses do not end it."""
+    def of(name, text):
+        (tmp_path / name).write_text(text)
+        return file_index.sentence_of(tmp_path / name)
+    assert of("a.py", '"""Steps (A. Author, J. Phys. (2009)) of order 2. And more.\n\nMore."""') == "Steps (A. Author, J. Phys. (2009)) of order 2"
+    assert of("a.h", "/* smidgen runtime: arrays of\n * n numbers.\n *\n * More. */") == "Arrays of n numbers"
+    assert of("a.mjs", "// Lines,\n// drawn. More.\n") == "Lines, drawn"
+    assert of("a.j2", "{# The source of {{ M }}. -#}\n#include <a.h>\n/* no */") == "The source of <model>"
+    assert of("b.h", "#include <a.h>\n/* Of a function. */") == of("b.py", "x = 1\n") == ""
 
 
 def test_all_imports_of_modules_are_relative():

@@ -1,3 +1,4 @@
+/* The residual of the step equation and its derivatives, by the interpreter, and the memory that they need. */
 #include "step.h"
 
 #include <math.h>

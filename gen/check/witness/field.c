@@ -1,3 +1,4 @@
+/* The field b = (1/kappa) dH/dw, how it and torques turn each site, and the derivatives of both. */
 #include "witness.h"
 
 #include <math.h>

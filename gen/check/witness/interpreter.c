@@ -1,3 +1,4 @@
+/* The operations of interpreter.h, one function each. */
 #include "interpreter.h"
 
 #include <math.h>

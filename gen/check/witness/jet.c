@@ -1,3 +1,4 @@
+/* Memory of jets (jet.h). */
 #include "jet.h"
 
 #include <stdlib.h>

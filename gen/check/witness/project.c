@@ -1,3 +1,4 @@
+/* The projection of a midpoint onto its sphere, its sphere of radius |w|, or its leaf C = c, and its derivative. */
 #include "witness.h"
 
 #include <math.h>

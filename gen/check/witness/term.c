@@ -1,3 +1,4 @@
+/* One term of the energy at all instances of its indices: its value, gradient and Hessian added where they belong. */
 #include "interpreter.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-"use strict";
 // The spheres at the head of the page: points that fall where a method puts them, and vortices with their trails.
+"use strict";
 (function () {
   const HOLD = 0.15, TURN = 0.1;            // share of a round that the whole picture stays; turn about z, radians a second
   const still = matchMedia("(prefers-reduced-motion: reduce)"), button = document.getElementById("motion");
