@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 from ..lower.code import Argument, Braces, Call, For, Function, Let, Name
-from ..lower.integers import ZERO, Index, total
+from ..lower.integers import ZERO, Cell, Index, total
 from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import colouring, one_colour
 from .norms import norm_functions
 from .rows import bounded_apart
 from .sums import swept_by_site
+from .visiting import VISITS, visits_of
 
 VISIT = (COEFFICIENTS, Argument("void *", "context"), Argument("void", "visit", "void *context, smg_lattice_site at"))
 
@@ -35,7 +36,16 @@ def visit_family(model, f, coloured: bool) -> tuple:
         return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
     lattice = model.lattice(f.name)
     if lattice is None:
-        return (For("site", ZERO, f.count, call(Index("site"), 0, ())),)
+        return in_numbers(f, call(Index("site"), 0, ())) if visits_of(model, f) is None else in_order(f, call(Index("site"), 0, ()))
     colours = colouring(model.lattices(f.name)) if coloured else one_colour(lattice)
     cells = [Index(f"s{d}") for d in range(len(lattice.size))]
     return model.loops.by_colour(lattice, colours, lambda site, sub: call(site, sub, cells))
+
+
+def in_numbers(f, body) -> tuple:
+    return (For("site", ZERO, f.count, body),)
+
+
+def in_order(f, body) -> tuple:
+    """In the order of a table."""
+    return (For("n", ZERO, f.count, (Let("site", Cell(VISITS, (Index("n"),))), *body)),)

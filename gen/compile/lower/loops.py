@@ -48,9 +48,11 @@ class Loops:
 
     def edge(self, over: Graph):
         """The sites and weights of the edge e."""
-        name, e = graph_name(over), Index("e")
-        ends = [Let(i, Cell(f"{name}_edge", (e, total(side)))) for side, i in enumerate(over.bound)]
-        return [*ends, *(Value(f"weight_{c}", real_of(Entry(f"{name}_{c}", e))) for c, _ in over.columns)]
+        ends = [Let(i, Cell(f"{graph_name(over)}_edge", (Index("e"), total(side)))) for side, i in enumerate(over.bound)]
+        return (*ends, *self.weights(over))
+
+    def weights(self, over: Graph):
+        return tuple(Value(f"weight_{c}", real_of(Entry(f"{graph_name(over)}_{c}", Index("e")))) for c, _ in over.columns)
 
     def scatter_lattice(self, over: Lattice, body):
         return self.of_bonds(over, range(len(over.bonds)), body)
@@ -148,9 +150,10 @@ class Loops:
 
     def gather_graph(self, over: Graph, slot, body):
         """Adjacency rows: for each site the edges that it begins (or ends)."""
-        side = graph_name(over) + ("_first" if slot[1] == over.first else "_second")
-        sites = 1 + over.highest     # later sites have no edge and no row
-        inside = (Let("e", Cell(side, (Index("row"),))), *self.edge(over), *body)
+        first = slot[1] == over.first
+        side, other = graph_name(over) + ("_first" if first else "_second"), over.second if first else over.first
+        sites, row = 1 + over.highest, (Index("row"),)      # later sites have no edge and no row
+        inside = (Let("e", Cell(side, row)), Let(other, Cell(f"{side}_end", row)), Let(slot[1], SITE), *self.weights(over), *body)
         rows = For("row", Cell(f"{side}_row", (SITE,)), Cell(f"{side}_row", (SITE + 1,)), inside, over="edges")
         return (where([compare(SITE, "<", total(sites))], (rows,)),)
 

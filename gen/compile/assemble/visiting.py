@@ -1,0 +1,80 @@
+"""The order in which sweeps visit the sites of a large graph: neighbours soon after each other, so that they are found in the cache.
+
+That is the order of Cuthill and McKee (Reducing the bandwidth of sparse symmetric matrices, Proc. 24th ACM Nat. Conf. (1969)): breadth first,
+of the neighbours of a site those with few neighbours first. States are kept in the order of the spec. The edges of such graphs stand in the
+tables in the same order, whatever their order in the file. Small graphs fit the cache as they are.
+"""
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ...language.spec import Graph
+from ..lower.code import Table
+from ..lower.integers import Whole
+
+LARGE = 4096        # sites: fewer fit the cache
+VISITS = "smg_visits"
+
+
+def visit_tables(model) -> list:
+    found = [visits_of(model, f) for f in model.coupled]
+    return [Table(VISITS, "int32_t", tuple(order.tolist())) for order in found if order is not None]
+
+
+def visits_of(model, f):
+    """The sites of a family in the order of visits, or None where that is the order of their numbers."""
+    overs = tuple(dict.fromkeys(t.over for t in model.coupled_effects() if len(t.slots) > 1))
+    if len(model.coupled) > 1 or not isinstance(f.count, Whole) or not all(isinstance(over, Graph) for over in overs):
+        return None
+    return visits(overs, f.count.value)
+
+
+@lru_cache(maxsize=8)
+def visits(overs: tuple, sites: int):
+    """The sites in the order of Cuthill and McKee; None for few sites, and where their numbers are nearly as good an order."""
+    if sites < LARGE or not overs:
+        return None
+    edges = np.concatenate([over.ends for over in overs])
+    order = cuthill_mckee(edges, sites)
+    return order if 2 * distance(edges, np.argsort(order)) < distance(edges, np.arange(sites)) else None
+
+
+def edge_order(over: Graph):
+    """The edges of a graph as the tables have them: those of a large one in the order of the visits of their ends."""
+    sites = 1 + over.highest
+    if sites < LARGE:
+        return np.arange(len(over.edges))
+    order = visits((over,), sites)
+    ends = np.sort(over.ends if order is None else np.argsort(order)[over.ends], axis=1)
+    return np.lexsort((ends[:, 1], ends[:, 0]))
+
+
+def distance(edges, place) -> float:
+    """How far apart the ends of an edge are on the average, by the places of sites in an order."""
+    return float(np.abs(place[edges[:, 0]] - place[edges[:, 1]]).mean())
+
+
+def cuthill_mckee(edges, sites: int):
+    """Breadth first from a site with the fewest neighbours, then from the next one that was not reached."""
+    both = np.concatenate([edges, edges[:, ::-1]])
+    degree = np.bincount(both[:, 0], minlength=sites)
+    near = both[np.lexsort((both[:, 1], degree[both[:, 1]], both[:, 0])), 1].tolist()
+    start, seen, order = [0, *np.cumsum(degree).tolist()], bytearray(sites), []
+    for root in np.argsort(degree, kind="stable").tolist():
+        if not seen[root]:
+            breadth_first(order, root, near, start, seen)
+    return np.array(order, dtype=np.int64)
+
+
+def breadth_first(order: list, root: int, near: list, start: list, seen: bytearray) -> None:
+    """Adds a root and the sites that edges join with it. The neighbours of site i are near[start[i]:start[i + 1]]."""
+    at, seen[root] = len(order), 1
+    order.append(root)
+    while at < len(order):
+        for other in near[start[order[at]]:start[order[at] + 1]]:
+            if not seen[other]:
+                seen[other] = 1
+                order.append(other)
+        at += 1
