@@ -53,7 +53,9 @@ def test_neighbours_of_a_shuffled_square_are_near(seed):
 def test_good_numbers_and_few_sites_stay():
     assert visiting.visits((graph(square(SIDE)),), SIDE * SIDE) is None
     few = np.random.default_rng(1).permutation(60 * 60)[square(60)]
-    assert visiting.visits((graph(few),), 60 * 60) is None and visiting.edge_order(graph(few)).tolist() == list(range(len(few)))
+    assert visiting.visits((graph(few),), 60 * 60) is None
+    place = visiting.places(graph(few))
+    assert place.tolist() == list(range(60 * 60)) and visiting.edge_order(graph(few), place).tolist() == list(range(len(few)))
 
 
 def net(folder, edges, weights):

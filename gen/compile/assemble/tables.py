@@ -7,7 +7,7 @@ from ...language.spec import Graph
 from ..lower.code import Table
 from ..lower.loops import graph_name
 from .norms import share_tables
-from .visiting import edge_order, visit_tables
+from .visiting import edge_order, places, visit_tables
 
 
 def tables(model) -> list:
@@ -19,16 +19,25 @@ def tables(model) -> list:
 
 
 def graph_tables(name: str, over: Graph) -> list:
-    """Edges, weights, and the edges that each site begins and ends, with their other ends."""
-    order = edge_order(over)
+    """Edges and weights in an order that fits the visits; and by site the edges that it begins and ends, with their other ends."""
+    place = places(over)
+    order = edge_order(over, place)
     ends = over.ends[order]
     found = [Table(f"{name}_edge", "int32_t", tuple(map(tuple, ends.tolist())), columns=2)]
     found += [Table(f"{name}_{column}", "double", tuple(np.array(values)[order].tolist())) for column, values in over.columns]
     for side, label in enumerate(("first", "second")):
-        starts, edges = np.cumsum(np.bincount(ends[:, side], minlength=1 + over.highest)), np.argsort(ends[:, side], kind="stable")
-        found += [whole_table(f"{name}_{label}_row", (0, *starts.tolist())),
-                  whole_table(f"{name}_{label}", edges.tolist()), whole_table(f"{name}_{label}_end", ends[edges, 1 - side].tolist())]
+        found += adjacency(f"{name}_{label}", ends[:, side], ends[:, 1 - side], place)
     return found
+
+
+def adjacency(name: str, own, other, place) -> list:
+    """Rows of edges by site, those of sites that are visited one after the other side by side; for each site the first of its row and the one
+    after its last."""
+    edges = np.argsort(place[own], kind="stable")
+    end = np.cumsum(np.bincount(place[own], minlength=len(place)))[place]
+    rows = np.stack([end - np.bincount(own, minlength=len(place)), end], axis=1)
+    return [Table(f"{name}_row", "int32_t", tuple(map(tuple, rows.tolist())), columns=2),
+            whole_table(name, edges.tolist()), whole_table(f"{name}_end", other[edges].tolist())]
 
 
 def whole_table(name: str, numbers) -> Table:

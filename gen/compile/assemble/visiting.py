@@ -41,14 +41,19 @@ def visits(overs: tuple, sites: int):
     return order if 2 * distance(edges, np.argsort(order)) < distance(edges, np.arange(sites)) else None
 
 
-def edge_order(over: Graph):
-    """The edges of a graph as the tables have them: those of a large one in the order of the visits of their ends."""
+def places(over: Graph):
+    """The place of each site that an edge meets in the order of visits, if it is that graph alone that joins sites."""
     sites = 1 + over.highest
-    if sites < LARGE:
-        return np.arange(len(over.edges))
     order = visits((over,), sites)
-    ends = np.sort(over.ends if order is None else np.argsort(order)[over.ends], axis=1)
-    return np.lexsort((ends[:, 1], ends[:, 0]))
+    return np.arange(sites) if order is None else np.argsort(order)
+
+
+def edge_order(over: Graph, place):
+    """The edges of a large graph by the places of their ends, those of others as they are."""
+    if 1 + over.highest < LARGE:
+        return np.arange(len(over.edges))
+    low, high = np.sort(place[over.ends], axis=1).T
+    return np.argsort(low * len(place) + high, kind="stable")
 
 
 def distance(edges, place) -> float:
@@ -58,11 +63,12 @@ def distance(edges, place) -> float:
 
 def cuthill_mckee(edges, sites: int):
     """Breadth first from a site with the fewest neighbours, then from the next one that was not reached."""
-    both = np.concatenate([edges, edges[:, ::-1]])
-    degree = np.bincount(both[:, 0], minlength=sites)
-    near = both[np.lexsort((both[:, 1], degree[both[:, 1]], both[:, 0])), 1].tolist()
-    start, seen, order = [0, *np.cumsum(degree).tolist()], bytearray(sites), []
-    for root in np.argsort(degree, kind="stable").tolist():
+    degree = np.bincount(edges.ravel(), minlength=sites)
+    fewest_first = np.argsort(degree, kind="stable")
+    rank = np.argsort(fewest_first)
+    keys = np.sort(np.concatenate([edges[:, a] * sites + rank[edges[:, 1 - a]] for a in (0, 1)]))
+    near, start, seen, order = fewest_first[keys % sites].tolist(), [0, *np.cumsum(degree).tolist()], bytearray(sites), []
+    for root in fewest_first.tolist():
         if not seen[root]:
             breadth_first(order, root, near, start, seen)
     return np.array(order, dtype=np.int64)

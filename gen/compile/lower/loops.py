@@ -154,7 +154,7 @@ class Loops:
         side, other = graph_name(over) + ("_first" if first else "_second"), over.second if first else over.first
         sites, row = 1 + over.highest, (Index("row"),)      # later sites have no edge and no row
         inside = (Let("e", Cell(side, row)), Let(other, Cell(f"{side}_end", row)), Let(slot[1], SITE), *self.weights(over), *body)
-        rows = For("row", Cell(f"{side}_row", (SITE,)), Cell(f"{side}_row", (SITE + 1,)), inside, over="edges")
+        rows = For("row", Cell(f"{side}_row", (SITE, total(0))), Cell(f"{side}_row", (SITE, total(1))), inside, over="edges")
         return (where([compare(SITE, "<", total(sites))], (rows,)),)
 
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
