@@ -36,16 +36,13 @@ def visit_family(model, f, coloured: bool) -> tuple:
         return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
     lattice = model.lattice(f.name)
     if lattice is None:
-        return in_numbers(f, call(Index("site"), 0, ())) if visits_of(model, f) is None else in_order(f, call(Index("site"), 0, ()))
+        return in_order(f, visits_of(model, f), call(Index("site"), 0, ()))
     colours = colouring(model.lattices(f.name)) if coloured else one_colour(lattice)
     cells = [Index(f"s{d}") for d in range(len(lattice.size))]
     return model.loops.by_colour(lattice, colours, lambda site, sub: call(site, sub, cells))
 
 
-def in_numbers(f, body) -> tuple:
-    return (For("site", ZERO, f.count, body),)
-
-
-def in_order(f, body) -> tuple:
-    """In the order of a table."""
-    return (For("n", ZERO, f.count, (Let("site", Cell(VISITS, (Index("n"),))), *body)),)
+def in_order(f, order, body) -> tuple:
+    """By number, or first those of an order, which a table has."""
+    rest = For("site", ZERO if order is None else total(len(order)), f.count, body)
+    return (rest,) if order is None else (For("n", ZERO, total(len(order)), (Let("site", Cell(VISITS, (Index("n"),))), *body)), rest)

@@ -12,9 +12,9 @@ import numpy as np
 
 from ...language.spec import Graph
 from ..lower.code import Table
-from ..lower.integers import Whole
 
 LARGE = 4096        # sites: fewer fit the cache
+NEAR = 1024         # numbers between the ends of an edge on the average: those between them fit the cache
 VISITS = "smg_visits"
 
 
@@ -24,28 +24,27 @@ def visit_tables(model) -> list:
 
 
 def visits_of(model, f):
-    """The sites of a family in the order of visits, or None where that is the order of their numbers."""
+    """The sites of a family that edges meet, in the order of visits, or None where that is the order of their numbers."""
     overs = tuple(dict.fromkeys(t.over for t in model.coupled_effects() if len(t.slots) > 1))
-    if len(model.coupled) > 1 or not isinstance(f.count, Whole) or not all(isinstance(over, Graph) for over in overs):
-        return None
-    return visits(overs, f.count.value)
+    return visits(overs) if len(model.coupled) == 1 and overs and all(isinstance(over, Graph) for over in overs) else None
 
 
 @lru_cache(maxsize=8)
-def visits(overs: tuple, sites: int):
-    """The sites in the order of Cuthill and McKee; None for few sites, and where their numbers are nearly as good an order."""
-    if sites < LARGE or not overs:
-        return None
+def visits(overs: tuple):
+    """The sites that edges meet in the order of Cuthill and McKee; None where their numbers are a good order, or hardly a worse one."""
     edges = np.concatenate([over.ends for over in overs])
+    sites = 1 + int(edges.max(initial=-1))
+    by_number = np.arange(sites)
+    if sites < LARGE or distance(edges, by_number) < NEAR:
+        return None
     order = cuthill_mckee(edges, sites)
-    return order if 2 * distance(edges, np.argsort(order)) < distance(edges, np.arange(sites)) else None
+    return order if 2 * distance(edges, np.argsort(order)) < distance(edges, by_number) else None
 
 
 def places(over: Graph):
-    """The place of each site that an edge meets in the order of visits, if it is that graph alone that joins sites."""
-    sites = 1 + over.highest
-    order = visits((over,), sites)
-    return np.arange(sites) if order is None else np.argsort(order)
+    """The place of each site in the order of visits, if it is that graph alone that joins sites."""
+    order = visits((over,))
+    return np.arange(1 + over.highest) if order is None else np.argsort(order)
 
 
 def edge_order(over: Graph, place):
