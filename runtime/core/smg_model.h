@@ -121,7 +121,8 @@
 
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
 
-/* A site, and where it stands on a lattice: its place in the cell and the coordinates of the cell. */
+/* A site, and where it stands on a lattice: its place in the cell and the coordinates of the cell. On a graph that is
+ * visited in an order (SMG_ORDERED) s0 is a site that is visited soon after. */
 typedef struct smg_lattice_site {
   int64_t k, sub, s0, s1, s2, s3;
 } smg_lattice_site;

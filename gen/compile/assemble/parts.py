@@ -18,8 +18,9 @@ from .solo import LoneMotion, SingleSphere
 from .sublattices import Sublattices
 from .thermal import Thermal
 from .torque import Torques
+from .visiting import VisitedInOrder
 from .wide import Extended
 
 FIRST = (Responses(), Standing(), Thermal())      # before bounds of the Hessian are found
 PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
-         Extended(), GradientsInLanes(), SiteNumbers(), Ensemble(), Distributed())
+         Extended(), GradientsInLanes(), SiteNumbers(), VisitedInOrder(), Ensemble(), Distributed())

@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 from ..lower.code import Argument, Braces, Call, For, Function, Let, Name
-from ..lower.integers import ZERO, Cell, Index, total
+from ..lower.integers import ZERO, Index, total
 from ..lower.kernels import COEFFICIENTS
 from ..plan.colouring import colouring, one_colour
 from .norms import norm_functions
 from .rows import bounded_apart
 from .sums import swept_by_site
-from .visiting import VISITS, visits_of
+from .visiting import in_order
 
 VISIT = (COEFFICIENTS, Argument("void *", "context"), Argument("void", "visit", "void *context, smg_lattice_site at"))
 
@@ -36,13 +36,8 @@ def visit_family(model, f, coloured: bool) -> tuple:
         return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
     lattice = model.lattice(f.name)
     if lattice is None:
-        return in_order(f, visits_of(model, f), call(Index("site"), 0, ()))
+        visited, site = model.visited, Index("site")
+        return (For("site", ZERO, f.count, call(site, 0, ())),) if visited is None else in_order(visited, f.count, lambda site, ahead: call(site, 0, (f.first + ahead,)))
     colours = colouring(model.lattices(f.name)) if coloured else one_colour(lattice)
     cells = [Index(f"s{d}") for d in range(len(lattice.size))]
     return model.loops.by_colour(lattice, colours, lambda site, sub: call(site, sub, cells))
-
-
-def in_order(f, order, body) -> tuple:
-    """By number, or first those of an order, which a table has."""
-    rest = For("site", ZERO if order is None else total(len(order)), f.count, body)
-    return (rest,) if order is None else (For("n", ZERO, total(len(order)), (Let("site", Cell(VISITS, (Index("n"),))), *body)), rest)

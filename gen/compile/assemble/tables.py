@@ -7,14 +7,14 @@ from ...language.spec import Graph
 from ..lower.code import Table
 from ..lower.loops import graph_name
 from .norms import share_tables
-from .visiting import edge_order, places, visit_tables
+from .visiting import edge_order, places
 
 
 def tables(model) -> list:
     found = [Table(f"table_{name}", "double", tuple(values)) for name, values in model.low.constants().items()]
     graphs = {graph_name(t.over): t.over for t in (*model.fields, *model.observables) if isinstance(t.over, Graph)}
     found += [table for name, over in graphs.items() for table in graph_tables(name, over)]
-    found += [*share_tables(model), *visit_tables(model)]
+    found += share_tables(model)
     return found + (pattern_tables(model.plan.pattern) if model.plan.solver == "sparse" else [])
 
 

@@ -11,22 +11,45 @@ from functools import lru_cache
 import numpy as np
 
 from ...language.spec import Graph
-from ..lower.code import Table
+from ..lower.code import Call, For, Let, Table
+from ..lower.integers import ZERO, Cell, Index, total
+from ..lower.loops import graph_name
+from .part import Part
+from .sums import swept_by_site
 
 LARGE = 4096        # sites: fewer fit the cache
 NEAR = 1024         # numbers between the ends of an edge on the average: those between them fit the cache
-VISITS = "smg_visits"
+AHEAD = 16          # visits before that of a site, what it needs is fetched
+TABLE = "smg_visits"
 
 
-def visit_tables(model) -> list:
-    found = [visits_of(model, f) for f in model.coupled]
-    return [Table(VISITS, "int32_t", tuple(order.tolist())) for order in found if order is not None]
+class VisitedInOrder(Part):
+    """A large graph whose sites are visited in an order of their own: `visited`, the graphs and the order."""
+    name = "visited"
+
+    def made(self, model, low):
+        overs = tuple(dict.fromkeys(t.over for t in model.coupled_effects() if len(t.slots) > 1))
+        if len(model.coupled) != 1 or not overs or not all(isinstance(over, Graph) for over in overs) or not swept_by_site(model):
+            return None
+        order = visits(overs)
+        return None if order is None else (overs, order)
+
+    def first(self, model) -> list:
+        order = model.visited[1].tolist()
+        return [Table(TABLE, "int32_t", (*order, *order[-1:] * AHEAD))]
+
+    def settings(self, model) -> dict:
+        return {"SMG_ORDERED": 1}
 
 
-def visits_of(model, f):
-    """The sites of a family that edges meet, in the order of visits, or None where that is the order of their numbers."""
-    overs = tuple(dict.fromkeys(t.over for t in model.coupled_effects() if len(t.slots) > 1))
-    return visits(overs) if len(model.coupled) == 1 and overs and all(isinstance(over, Graph) for over in overs) else None
+def in_order(visited, count, call) -> tuple:
+    """The visits of all sites, those that edges meet first; call(site, the site that is visited AHEAD later)."""
+    (overs, order), site = visited, Index("site")
+    rows = [f"{graph_name(over)}_{side}_row" for over in overs for side in ("first", "second")]
+    lines = (Let("site", Cell(TABLE, (Index("n"),))), Let("ahead", Cell(TABLE, (Index("n") + AHEAD,))),
+             *(Call("SMG_FETCH", (Cell(row, (Index("ahead"),)),)) for row in rows), *call(site, Index("ahead")))
+    rest = () if count == total(len(order)) else (For("site", total(len(order)), count, call(site, site)),)
+    return (For("n", ZERO, total(len(order)), lines), *rest)
 
 
 @lru_cache(maxsize=8)
