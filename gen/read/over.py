@@ -1,4 +1,4 @@
-"""The index families: `site(i) of w`, `bond(i, j) of chain(n, periodic)`, ...
+"""The index families, such as `site(i) of w` and `bond(i, j) of chain(n, periodic)`.
 
     over   = head ["of" target] ["on" family]
     head   = name "(" item {"," item} ")"      item = index ["of" family]

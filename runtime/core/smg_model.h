@@ -102,11 +102,10 @@
  * with SMG_COLOURS and what else smg_rows.h asks for, SMG_LAW, SMG_ALL_OR_NOTHING: how sites respond beside some that
  * stand still (smg_respond.h), SMG_LAW_BY_SITE: what of that differs from site to site, in arrays from the number
  * SMG_LAW_FIRST on, SMG_RADII: radii differ, 1/r^2 has the number SMG_RADIUS_AT,
- * SMG_ROWS_IN_TIME: bounds are those of the time of a step, SMG_ROW_TURNS: by an explicit method,
- * SMG_ROW_CLASSES: that
- * takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FEW_IN_LANES: few sites, all at once
- * in lanes; SMG_TRIED_SWEEPS of them at most, where the model says it. SMG_COMPOSED: stages of a composition,
- * SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4;
+ * SMG_ROWS_IN_TIME: bounds are those of the time of a step, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES:
+ * that takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FETCHED_AHEAD: the sites of a
+ * graph in an order of their own; SMG_FEW_IN_LANES: few sites, all at once in lanes; SMG_TRIED_SWEEPS of them at most,
+ * where the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4;
  * SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED, SMG_PLAIN_SUMS;
  * SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a method asks the field alone; SMG_FEW: the
  * coupled sites are a few, and their number is known. */
@@ -122,7 +121,7 @@
 enum { SMG_SPHERE, SMG_R3, SMG_NAMBU };
 
 /* A site, and where it stands on a lattice: its place in the cell and the coordinates of the cell. On a graph that is
- * visited in an order (SMG_ORDERED) s0 is a site that is visited soon after. */
+ * visited in an order (SMG_FETCHED_AHEAD) s0 is a site that is visited soon after. */
 typedef struct smg_lattice_site {
   int64_t k, sub, s0, s1, s2, s3;
 } smg_lattice_site;

@@ -1,5 +1,5 @@
-/* smidgen method: the exact rotation of a site by an angle vector a: w' = w x a for a time 1 turns w about a by the
- * angle |a|,
+/* smidgen method: the exact rotation of a site by an angle vector a. The motion w' = w x a for a time 1 turns w about a
+ * by the angle |a|,
  *
  *     W = w + (sin |a|/|a|) w x a + ((1 - cos |a|)/|a|^2) (w x a) x a                     (Rodrigues)
  *       = w + s c w x a + (s^2/2) (w x a) x a,   c = cos(|a|/2),  s = sin(|a|/2)/(|a|/2):

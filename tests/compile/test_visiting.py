@@ -20,6 +20,7 @@ file = "edges.csv"
 [effects.exchange]
 over = "edge(i, j, K) of g"
 energy = "-K*dot(w[i], w[j])"
+{more}
 """
 
 
@@ -45,24 +46,22 @@ def test_neighbours_of_a_shuffled_square_are_near(seed):
     """As near as rows of a square can be, where in the numbers of the sites they are thousands apart."""
     number = np.random.default_rng(seed).permutation(SIDE * SIDE)
     edges = number[square(SIDE)]
-    order = visiting.visits((graph(edges),))
+    order = visiting.visit_order((graph(edges),))
     assert sorted(order.tolist()) == list(range(SIDE * SIDE))
     assert visiting.distance(edges, np.argsort(order)) < SIDE < visiting.distance(edges, np.arange(SIDE * SIDE)) / 20
 
 
 def test_good_numbers_and_few_sites_stay():
-    assert visiting.visits((graph(square(SIDE)),)) is None
+    assert visiting.visit_order((graph(square(SIDE)),)) is None
     few = np.random.default_rng(1).permutation(60 * 60)[square(60)]
-    assert visiting.visits((graph(few),)) is None
-    place = visiting.places(graph(few))
-    assert place.tolist() == list(range(60 * 60)) and visiting.edge_order(graph(few), place).tolist() == list(range(len(few)))
+    assert visiting.visit_order((graph(few),)) is None
 
 
-def net(folder, edges, weights):
+def net(folder, edges, weights, more=""):
     """The spec of a graph."""
     folder.mkdir()
     np.savetxt(folder / "edges.csv", np.column_stack([edges, weights]), delimiter=",", fmt=["%d", "%d", "%.17g"])
-    (folder / "net.toml").write_text(SPEC.format(sites=SIDE * SIDE + 3))      # three without an edge
+    (folder / "net.toml").write_text(SPEC.format(sites=SIDE * SIDE + 3, more=more))     # three without an edge
     return smidgen.load(folder / "net.toml")
 
 
@@ -82,6 +81,56 @@ def test_the_c_does_not_depend_on_the_order_of_the_rows(tmp_path):
     natural, shuffled, in_another_order, _ = three_nets(tmp_path)
     assert tables(shuffled) == tables(in_another_order)
     assert "smg_visits" in tables(shuffled) and "smg_visits" not in tables(natural)
+
+
+def shuffled_net(folder, more=""):
+    edges, rng = square(SIDE), np.random.default_rng(3)
+    return net(folder, rng.permutation(SIDE * SIDE)[edges][rng.permutation(len(edges))], rng.normal(size=len(edges)), more)
+
+
+def edges_in(c: str, name: str = "graph_\\w+_edge") -> list:
+    return re.findall(r"\{(\d+), (\d+)\}", re.search(rf"{name}\[\]\[2\] = (.*);", c)[1])
+
+
+def test_pair_rotations_take_the_edges_in_the_order_of_the_file(tmp_path):
+    """It decides their steps."""
+    spec = shuffled_net(tmp_path / "a")
+    in_the_file = [tuple(line.split(",")[:2]) for line in (tmp_path / "a/edges.csv").read_text().splitlines()]
+    assert edges_in(generate(spec, method="pair-rotations")["net.c"]) == in_the_file
+    by_visits = edges_in(generate(spec, solver="rotation")["net.c"])
+    assert by_visits != in_the_file and sorted(by_visits) == sorted(in_the_file)
+
+
+def test_rows_of_a_smaller_graph_are_not_fetched(tmp_path):
+    """It has none for most sites."""
+    more = """[graphs.few]
+edges = [[0, 5], [7, 3]]
+[effects.few]
+over = "edge(i, j) of few"
+energy = "w[i].x*w[j].y"
+"""
+    c = generate(shuffled_net(tmp_path / "a", more), solver="rotation")["net.c"]
+    assert len(set(re.findall(r"(graph_\w+)_first_row\[\]", c))) == 2
+    assert len(set(re.findall(r"SMG_FETCH\((graph_\w+)_first_row", c))) == 1
+
+
+def test_terms_of_single_sites_on_a_lattice_keep_its_order(tmp_path):
+    more = f"""[effects.field]
+over = "bond(i, j) of chain({SIDE * SIDE + 3}, open)"
+energy = "w[i].z"
+"""
+    assert "smg_visits" not in generate(shuffled_net(tmp_path / "a", more), solver="rotation")["net.c"]
+
+
+def test_what_one_end_feels_is_fetched_for_it_alone(tmp_path):
+    """A torque on the first ends reads the rows of those; two effects with different names of the ends share them."""
+    more = """[effects.push]
+over = "edge(a, b, K) of g"
+torque = "cross(w[a], w[b])"
+"""
+    c = generate(shuffled_net(tmp_path / "a", more), solver="rotation")["net.c"]
+    loop = c[c.index("smg_each_coloured("):]
+    assert loop[:loop.index("visit(context, at)")].count("SMG_FETCH(") == 2
 
 
 def test_states_do_not_depend_on_the_numbers_of_sites(tmp_path):

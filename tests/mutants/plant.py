@@ -35,7 +35,7 @@ class Tree:
         (self.tree / "smidgen").symlink_to("gen")
         (place / "bin").mkdir()
         compiler = place / "bin" / "gcc"
-        compiler.write_text(COMPILER.format(compiler=" ".join(filter(None, map(shutil.which, ("ccache", "gcc"))))))
+        compiler.write_text(COMPILER.format(compiler=" ".join(compiler_words())))
         compiler.chmod(0o755)
 
     def environment(self) -> dict:
@@ -65,6 +65,12 @@ class Tree:
         except subprocess.TimeoutExpired:
             return None
         return json.loads(said.stdout) if said.returncode == 0 else None
+
+
+def compiler_words() -> list[str]:
+    """gcc, by ccache if that is installed and gcc is not a link to it already."""
+    gcc, ccache = shutil.which("gcc"), shutil.which("ccache")
+    return [ccache, gcc] if ccache and Path(gcc).resolve() != Path(ccache).resolve() else [gcc]
 
 
 def copy(source: Path, target: Path) -> None:

@@ -15,7 +15,7 @@ PAGE = ROOT / "docs/files.md"
 PLACES, ENDINGS = ("gen", "templates", "runtime"), (".py", ".h", ".c", ".j2", ".mjs", ".js")
 HEAD = """# Source files
 
-This page is written by `make files`: every source file, with the first sentence of its comment. [architecture.md](architecture.md)
+This page is written by `make files`: every Python, C and JavaScript file and every template, with the first sentence of its comment. [architecture.md](architecture.md)
 explains how the folders depend on each other, and which files a change concerns.
 """
 COMMENT = re.compile(r"/\*(?P<c>.*?)\*/|\{#-?(?P<jinja>.*?)-?#\}|(?P<lines>(?://[^\n]*\n?)+)", re.DOTALL)
@@ -36,7 +36,7 @@ def sentence_of(path: Path) -> str:
     """The first sentence in one line, without the words `smidgen runtime:` of headers."""
     paragraph = KIND.sub("", " ".join(comment_of(path).replace("{{ M }}", "<model>").partition("\n\n")[0].split()))
     found = SENTENCE.match(paragraph)
-    return re.sub(r"^[a-z]{2,}\b|^a ", lambda word: word[0].capitalize(), (found[0] if found else paragraph).rstrip(".:"))
+    return re.sub(r"^[a-z]{2,}\b|^a ", lambda word: word[0].capitalize(), (found[0] if found else paragraph).removesuffix(":").removesuffix("."))
 
 
 def sources(root: Path = ROOT) -> dict:
@@ -54,7 +54,7 @@ def without_comment() -> list[str]:
 
 def page() -> str:
     def row(path: Path) -> str:
-        return f"| `{path.name}` | {sentence_of(path).replace('|', chr(92) + '|')} |"
+        return f"| `{path.name}` | {sentence_of(path).replace('|', chr(92) + '|').replace('<', '&lt;')} |"
     tables = ["\n".join([f"\n## {folder}\n", "| file | contents |", "|---|---|", *map(row, files)]) for folder, files in sources().items()]
     return "\n".join([HEAD.rstrip(), *tables, ""])
 

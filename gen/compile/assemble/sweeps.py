@@ -35,9 +35,10 @@ def visit_family(model, f, coloured: bool) -> tuple:
         at = Braces((f.first + site, total(sub), *cells, *[ZERO] * (4 - len(cells))))
         return Let("at", at, "const smg_lattice_site"), Call("visit", (Name("context"), Name("at")))
     lattice = model.lattice(f.name)
+    if lattice is None and model.visited is not None:
+        return in_order(model, f, lambda site, ahead: call(site, 0, (f.first + ahead,)))
     if lattice is None:
-        visited, site = model.visited, Index("site")
-        return (For("site", ZERO, f.count, call(site, 0, ())),) if visited is None else in_order(visited, f.count, lambda site, ahead: call(site, 0, (f.first + ahead,)))
+        return (For("site", ZERO, f.count, call(Index("site"), 0, ())),)
     colours = colouring(model.lattices(f.name)) if coloured else one_colour(lattice)
     cells = [Index(f"s{d}") for d in range(len(lattice.size))]
     return model.loops.by_colour(lattice, colours, lambda site, sub: call(site, sub, cells))

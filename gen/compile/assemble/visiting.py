@@ -13,73 +13,78 @@ import numpy as np
 from ...language.spec import Graph
 from ..lower.code import Call, For, Let, Table
 from ..lower.integers import ZERO, Cell, Index, total
-from ..lower.loops import graph_name
+from ..lower.loops import side_table
 from .part import Part
 from .sums import swept_by_site
 
 LARGE = 4096        # sites: fewer fit the cache
-NEAR = 1024         # numbers between the ends of an edge on the average: those between them fit the cache
-AHEAD = 16          # visits before that of a site, what it needs is fetched
+NEAR = 1024         # mean distance between the numbers of two neighbours: the sites between them fit the cache
+GAIN = 2            # by which an order must lower that distance: a graph without places, such as a random one, has no better order
+AHEAD = 16          # data of a site is fetched this many visits ahead; 8 or 32: the same time
 TABLE = "smg_visits"
 
 
 class VisitedInOrder(Part):
-    """A large graph whose sites are visited in an order of their own: `visited`, the graphs and the order."""
+    """A large graph whose sites are visited in an order of their own: `visited`, the sites in that order."""
     name = "visited"
 
     def made(self, model, low):
-        overs = tuple(dict.fromkeys(t.over for t in model.coupled_effects() if len(t.slots) > 1))
-        if len(model.coupled) != 1 or not overs or not all(isinstance(over, Graph) for over in overs) or not swept_by_site(model):
+        overs = [t.over for t in model.coupled_effects() if len(t.slots) > 1]
+        if len(model.coupled) != 1 or model.lattice(model.coupled[0].name) or not swept_by_site(model) or not all(isinstance(over, Graph) for over in overs):
             return None
-        order = visits(overs)
-        return None if order is None else (overs, order)
+        return visit_order(tuple({over.hashed: over for over in overs}.values()))       # of those with the same edges one
 
     def first(self, model) -> list:
-        order = model.visited[1].tolist()
+        order = model.visited.tolist()
         return [Table(TABLE, "int32_t", (*order, *order[-1:] * AHEAD))]
 
     def settings(self, model) -> dict:
-        return {"SMG_ORDERED": 1}
+        return {"SMG_FETCHED_AHEAD": 1}
 
 
-def in_order(visited, count, call) -> tuple:
-    """The visits of all sites, those that edges meet first; call(site, the site that is visited AHEAD later)."""
-    (overs, order), site = visited, Index("site")
-    rows = [f"{graph_name(over)}_{side}_row" for over in overs for side in ("first", "second")]
+def in_order(model, f, call) -> tuple:
+    """The visits of all sites of a family, those after the last one with an edge by number; call(site, the one that is visited AHEAD later)."""
+    site, ahead, end = Index("site"), Index("ahead"), total(len(model.visited))
     lines = (Let("site", Cell(TABLE, (Index("n"),))), Let("ahead", Cell(TABLE, (Index("n") + AHEAD,))),
-             *(Call("SMG_FETCH", (Cell(row, (Index("ahead"),)),)) for row in rows), *call(site, Index("ahead")))
-    rest = () if count == total(len(order)) else (For("site", total(len(order)), count, call(site, site)),)
-    return (For("n", ZERO, total(len(order)), lines), *rest)
+             *(Call("SMG_FETCH", (Cell(row, (ahead,)),)) for row in rows_of(model, f)), *call(site, ahead))
+    rest = () if f.count == end else (For("site", end, f.count, call(site, site)),)
+    return (For("n", ZERO, end, lines), *rest)
+
+
+def rows_of(model, f) -> list:
+    """The tables of the rows that a visit reads; not those of graphs that have fewer sites, where a row may be missing."""
+    found = [(t.over, t.over.bound.index(t.slots[k][1])) for t, k in model.roles(f.name) if isinstance(t.over, Graph)]
+    return list(dict.fromkeys(f"{side_table(over, side)}_row" for over, side in found if over.highest == model.visited.max()))
 
 
 @lru_cache(maxsize=8)
-def visits(overs: tuple):
-    """The sites that edges meet in the order of Cuthill and McKee; None where their numbers are a good order, or hardly a worse one."""
-    edges = np.concatenate([over.ends for over in overs])
+def visit_order(graphs: tuple):
+    """The sites up to the last one with an edge, in the order of Cuthill and McKee; None if the order of their numbers is about as good."""
+    edges = np.concatenate([np.empty((0, 2), np.int64), *(over.ends for over in graphs)])
     sites = 1 + int(edges.max(initial=-1))
     by_number = np.arange(sites)
     if sites < LARGE or distance(edges, by_number) < NEAR:
         return None
     order = cuthill_mckee(edges, sites)
-    return order if 2 * distance(edges, np.argsort(order)) < distance(edges, by_number) else None
+    return order if GAIN * distance(edges, np.argsort(order)) < distance(edges, by_number) else None
 
 
-def places(over: Graph):
-    """The place of each site in the order of visits, if it is that graph alone that joins sites."""
-    order = visits((over,))
-    return np.arange(1 + over.highest) if order is None else np.argsort(order)
+def places(model, over: Graph):
+    """The place of each site of a graph in the order of visits."""
+    visited = np.arange(1 + over.highest) if model.visited is None else model.visited
+    return np.argsort(visited[visited <= over.highest])
 
 
-def edge_order(over: Graph, place):
-    """The edges of a large graph by the places of their ends, those of others as they are."""
-    if 1 + over.highest < LARGE:
+def edge_order(model, over: Graph, place):
+    """The edges of a large graph by the places of their ends; those of others, and where the method takes bonds in turn, as they are."""
+    if 1 + over.highest < LARGE or model.method.splitting == "pairs":
         return np.arange(len(over.edges))
     low, high = np.sort(place[over.ends], axis=1).T
     return np.argsort(low * len(place) + high, kind="stable")
 
 
 def distance(edges, place) -> float:
-    """How far apart the ends of an edge are on the average, by the places of sites in an order."""
+    """Mean distance between the ends of an edge, by the places of sites in an order."""
     return float(np.abs(place[edges[:, 0]] - place[edges[:, 1]]).mean())
 
 

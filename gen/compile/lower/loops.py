@@ -150,11 +150,10 @@ class Loops:
 
     def gather_graph(self, over: Graph, slot, body):
         """Adjacency rows: for each site the edges that it begins (or ends)."""
-        first = slot[1] == over.first
-        side, other = graph_name(over) + ("_first" if first else "_second"), over.second if first else over.first
-        sites, row = 1 + over.highest, (Index("row"),)      # later sites have no edge and no row
-        inside = (Let("e", Cell(side, row)), Let(other, Cell(f"{side}_end", row)), Let(slot[1], SITE), *self.weights(over), *body)
-        rows = For("row", Cell(f"{side}_row", (SITE, total(0))), Cell(f"{side}_row", (SITE, total(1))), inside, over="edges")
+        side, row = over.bound.index(slot[1]), (Index("row"),)
+        table, sites = side_table(over, side), 1 + over.highest      # later sites have no edge and no row
+        inside = (Let("e", Cell(table, row)), Let(over.bound[1 - side], Cell(f"{table}_end", row)), Let(slot[1], SITE), *self.weights(over), *body)
+        rows = For("row", Cell(f"{table}_row", (SITE, total(0))), Cell(f"{table}_row", (SITE, total(1))), inside, over="edges")
         return (where([compare(SITE, "<", total(sites))], (rows,)),)
 
     def gather_lattice(self, over: Lattice, slot, body, placed: bool = False):
@@ -224,3 +223,8 @@ def graph_name(over: Graph) -> str:
     for name, values in over.columns:
         content.update(name.encode() + b"\0" + array("d", values).tobytes())
     return "graph_" + content.hexdigest()[:8]
+
+
+def side_table(over: Graph, side: int) -> str:
+    """The table of the edges that each site begins (0) or ends (1); `_end` their other ends, `_row` where those of a site stand."""
+    return f"{graph_name(over)}_{('first', 'second')[side]}"
