@@ -105,10 +105,10 @@
  * SMG_ROWS_IN_TIME: bounds are those of the time of a step, SMG_ROW_TURNS: by an explicit method, SMG_ROW_CLASSES:
  * that takes bonds in so many classes, in layers along the direction SMG_LAYERED; SMG_FETCHED_AHEAD: the sites of a
  * graph in an order of their own; SMG_FEW_IN_LANES: few sites, all at once in lanes; SMG_TRIED_SWEEPS of them at most,
- * where the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the tangent map. SMG_AXES: the components in H, 1, 2, 4;
- * SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is but one. Features: SMG_EXTENDED, SMG_PLAIN_SUMS;
- * SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of which a method asks the field alone; SMG_FEW: the
- * coupled sites are a few, and their number is known. */
+ * where the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the
+ * tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is
+ * but one. Features: SMG_EXTENDED, SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of
+ * which a method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
 
 /* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are
  * known. */

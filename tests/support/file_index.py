@@ -5,7 +5,6 @@
 """
 from __future__ import annotations
 
-import ast
 import re
 import sys
 from pathlib import Path
@@ -27,7 +26,7 @@ def comment_of(path: Path) -> str:
     """The comment, or the docstring, at the head of a file; "" where there is none."""
     text = path.read_text()
     if path.suffix == ".py":
-        return ast.get_docstring(ast.parse(text)) or ""
+        return text.split('"""')[1] if text.startswith('"""') else ""
     found = COMMENT.match(text.lstrip())
     return re.sub(r"(?m)^\s*(\*|//) ?", "", next(t for t in found.groups() if t is not None)).strip() if found else ""
 
