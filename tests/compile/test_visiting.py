@@ -88,8 +88,8 @@ def shuffled_net(folder, more=""):
     return net(folder, rng.permutation(SIDE * SIDE)[edges][rng.permutation(len(edges))], rng.normal(size=len(edges)), more)
 
 
-def edges_in(c: str, name: str = "graph_\\w+_edge") -> list:
-    return re.findall(r"\{(\d+), (\d+)\}", re.search(rf"{name}\[\]\[2\] = (.*);", c)[1])
+def edges_in(c: str) -> list:
+    return re.findall(r"\{(\d+), (\d+)\}", re.search(r"graph_\w+_edge\[\]\[2\] = (.*);", c)[1])
 
 
 def test_pair_rotations_take_the_edges_in_the_order_of_the_file(tmp_path):
@@ -114,6 +114,19 @@ energy = "w[i].x*w[j].y"
     assert len(set(re.findall(r"SMG_FETCH\((graph_\w+)_first_row", c))) == 1
 
 
+def test_an_observable_may_have_a_graph_with_more_sites(tmp_path):
+    """The order of visits does not have them."""
+    last = SIDE * SIDE + 2
+    more = f"""[graphs.wide]
+edges = [[0, {last}], [{last}, 7]]
+[observables.wide]
+over = "edge(i, j) of wide"
+value = "dot(w[i], w[j])"
+"""
+    c = generate(shuffled_net(tmp_path / "a", more), solver="rotation")["net.c"]
+    assert "smg_visits" in c and f"{{{{0, {last}}}, {{7, {last}}}}}" in c.replace(f"{{{last}, 7}}", f"{{7, {last}}}")
+
+
 def test_terms_of_single_sites_on_a_lattice_keep_its_order(tmp_path):
     more = f"""[effects.field]
 over = "bond(i, j) of chain({SIDE * SIDE + 3}, open)"
@@ -122,8 +135,8 @@ energy = "w[i].z"
     assert "smg_visits" not in generate(shuffled_net(tmp_path / "a", more), solver="rotation")["net.c"]
 
 
-def test_what_one_end_feels_is_fetched_for_it_alone(tmp_path):
-    """A torque on the first ends reads the rows of those; two effects with different names of the ends share them."""
+def test_rows_that_two_effects_read_are_fetched_once(tmp_path):
+    """Here the ends have other names in the second one."""
     more = """[effects.push]
 over = "edge(a, b, K) of g"
 torque = "cross(w[a], w[b])"

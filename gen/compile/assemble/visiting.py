@@ -20,7 +20,7 @@ from .sums import swept_by_site
 LARGE = 4096        # sites: fewer fit the cache
 NEAR = 1024         # mean distance between the numbers of two neighbours: the sites between them fit the cache
 GAIN = 2            # by which an order must lower that distance: a graph without places, such as a random one, has no better order
-AHEAD = 16          # data of a site is fetched this many visits ahead; 8 or 32: the same time
+AHEAD = 16          # data of a site is fetched this many visits ahead
 TABLE = "smg_visits"
 
 
@@ -70,9 +70,10 @@ def visit_order(graphs: tuple):
 
 
 def places(model, over: Graph):
-    """The place of each site of a graph in the order of visits."""
-    visited = np.arange(1 + over.highest) if model.visited is None else model.visited
-    return np.argsort(visited[visited <= over.highest])
+    """The place of each site of a graph in the order of visits; by number where that order does not have them all, as of an observable's graph."""
+    if model.visited is None or len(model.visited) <= over.highest:
+        return np.arange(1 + over.highest)
+    return np.argsort(model.visited[model.visited <= over.highest])
 
 
 def edge_order(model, over: Graph, place):
