@@ -48,9 +48,11 @@ install:
 bench: $(VENV)/ready
 	$(PY) tests/bench/run.py
 
-# What an additional effect costs, compared with exchange alone (some minutes); writes docs/beside_exchange.md. TIMES=1: times too.
+# What an additional effect costs, compared with exchange alone (some minutes); writes docs/beside_exchange.md. TIMES=1: times too, and
+# those at neighbouring points, on a machine without other work.
 bench-scenes: $(VENV)/ready
 	$(PY) tests/bench/beside_exchange.py $(if $(TIMES),--times)
+	$(if $(TIMES),$(PY) tests/bench/neighbours.py)
 
 $(VENV)/ready: tests/install.sh requirements.txt requirements-test.txt pyproject.toml setup.py
 	PYTHON="$(PYTHON)" sh tests/install.sh $(VENV)

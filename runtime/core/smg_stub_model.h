@@ -123,7 +123,7 @@ typedef struct smg_state {
 #else
   int rows;
 #endif
-  int row_team, row_strong, row_weak, row_stretched, row_alone, row_due, row_kept;
+  int row_team, row_strong, row_flat, row_weak, row_stretched, row_alone, row_due, row_kept;
   int64_t row_passes, row_fewest, row_from, row_near, row_reach;
   int32_t *row_beside;
   void *row_kinds, *row_known;

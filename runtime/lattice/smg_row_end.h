@@ -17,7 +17,8 @@ typedef struct smg_turning {
   int64_t pitch, u_pitch;
   smg_inverses inverses;
   smg_real half, small, weakest;
-  int weak, stretched; /* are fields so weak that midpoints are near spins? are there such increments? */
+  int weak, flat, stretched; /* are fields so weak that midpoints are near spins? may 1 - |g|^2 be small? are there such
+                                increments? */
   smg_told told;
 #if SMG_SITE_VALUES
   const smg_real *values; /* of sites, by slots */
@@ -55,6 +56,7 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
     SMG_SMALL_PART * smg_at_all_sites(&s->c, smg_radius),
     s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
     s->row_weak,
+    s->row_flat,
     s->row_stretched,
     smg_told_of(&s->c, 0),
 #if SMG_SITE_VALUES

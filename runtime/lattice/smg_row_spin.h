@@ -35,12 +35,17 @@ SMG_INLINE smg_lanes smg_lane_first_rho(const smg_lanes *w, const smg_lanes *g, 
   return 1 - (smg_real)0.5 * (smg_lane_dot(g, g) - inverse * (along * along));
 }
 
-/* The same from one that is nearly right. */
+/* The same from one that is nearly right; flat: may 2 (2x + k-1) = 2 sqrt((1-k)^2 + 4 d^2) be small? Where it is, a
+ * correction may lead anywhere, and rho is found by its root. */
+#define SMG_ROW_FLAT (smg_real)1
 SMG_INLINE smg_lanes smg_lane_corrected_rho(smg_lanes one, const smg_lanes *w, const smg_lanes *g, smg_lanes rho,
-                                            smg_inverse inverse, int weak) {
+                                            smg_inverse inverse, int weak, int flat) {
   const smg_lanes x = rho * rho, above = smg_lane_dot(g, g) - one, along = smg_lane_dot(w, g);
   const smg_lanes off = x * (x + above) - inverse * (along * along);
-  return weak ? rho - (smg_real)0.5 * off : rho - off * smg_lane_rough_inverse(rho * (4 * x + 2 * above));
+  if (weak) return rho - (smg_real)0.5 * off;
+  const smg_lanes slope = 4 * x + 2 * above, next = rho - off * smg_lane_rough_inverse(rho * slope);
+  const smg_lane_mask astray = (smg_lane_mask)(slope < SMG_ROW_FLAT);
+  return flat && smg_lane_any(astray) ? smg_lane_select(astray, smg_lane_rho(one, w, g, inverse), next) : next;
 }
 
 /* v from w, g and rho. */

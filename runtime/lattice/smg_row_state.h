@@ -31,7 +31,8 @@
  * they foresee, and midpoints that have been found, are two more */
 #define SMG_PATH_POINTS 3
 #define SMG_PATH_ARRAYS 5
-/* |g|^2 from which rho is taken by its root each time: below, rho >= 0.95 and one correction leaves 1 % of its error */
+/* |g|^2 from which the first sweep finds rho by its root: below, rho >= 0.95 and one correction leaves 1 % of its
+ * error. */
 #define SMG_ROW_STRONG (smg_real)0.1
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
  * the digits of double. */
@@ -97,6 +98,7 @@ static inline void smg_weigh_rows(smg_state *s) {
   const smg_real h = smg_largest_stage(s), field = smg_row_field(&s->c, h);
   s->row_bound = smg_row_factor(&s->c, h);
   s->row_strong = field > SMG_ROW_STRONG;
+  s->row_flat = 2 * (1 - field) < SMG_ROW_FLAT;
   s->row_weak = !SMG_TOLD && field <= SMG_ROW_WEAK; /* a response leaves spins of another length to turn */
   s->row_stretched = 36 * field > 1;                /* |h b| > 1/3 may be, as in smg_end_site */
 }

@@ -92,7 +92,7 @@ SMG_INLINE smg_lanes smg_rho_of(const smg_turning turn, int64_t slot, enum smg_r
     smg_take_slots(turn.m, turn.pitch, slot, m);
     rho = inverse * smg_lane_dot(w, m);
   }
-  return smg_lane_corrected_rho(one, w, g, rho, inverse, turn.weak);
+  return smg_lane_corrected_rho(one, w, g, rho, inverse, turn.weak, turn.flat);
 }
 
 /* v, along the midpoints of the slots of one vector, in place of their gradient g; the midpoints themselves where those
@@ -154,6 +154,8 @@ SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece,
     smg_turn_aimed(turn, piece, k, piece->start + k, piece->size - k, watched, small, last, moved);
 }
 
+/* Sites of a row from which on that is worth it: in shorter rows it takes longer than the sweeps that it spares. */
+#define SMG_ROW_ENDS 8
 /* Once more the last sites of those rows of a run that meet the first ones across a seam, in the field of what these
  * are by now; not in the last passes, which move those by round-off. */
 SMG_INLINE void smg_turn_ends(const smg_coefficients *c, const smg_turning turn, smg_run run, smg_piece *piece,
@@ -180,12 +182,13 @@ SMG_INLINE void smg_turn_piece(const smg_coefficients *c, const smg_turning turn
   }
   if (watched) smg_turn_vectors(turn, piece, 1, small, last, &most);
   else smg_turn_vectors(turn, piece, 0, 0, 0, &most);
-  if (smg_meet_along(c, 0) && (!small || way == SMG_BY_ROOT)) {
+  if (smg_meet_along(c, 0) && !small) {
     piece->at = at;
     piece->from = from;
     piece->done = 0;
     while (smg_next_run(c, piece, &run))
-      if (run.sites * SMG_ROW_STEP > smg_cells(c, 0)) smg_turn_ends(c, turn, run, piece, way, watched, small, &most);
+      if (run.sites >= SMG_ROW_ENDS && run.sites * SMG_ROW_STEP > smg_cells(c, 0))
+        smg_turn_ends(c, turn, run, piece, way, watched, small, &most);
   }
   *moved = most;
 }
@@ -231,7 +234,7 @@ SMG_LINKED void smg_turn_some_slots(const smg_state *s, smg_besides *known, cons
  * its own, in which the compiler knows the way. The largest function of a step by rows, so only one unit has it. */
 SMG_LINKED void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
                                     const smg_row_pass pass, smg_share part, smg_row_motion *motion) {
-  if (pass.way == SMG_BY_ROOT) smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 1, motion);
+  if (pass.way == SMG_BY_ROOT) smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 0, motion);
   else if (pass.way == SMG_FROM_FIELD) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
   else if (pass.small) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
   else smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
@@ -339,8 +342,10 @@ static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
 SMG_INLINE smg_row_pass smg_next_pass(const smg_state *s, const smg_row_sweeping *sweep) {
   /* an extrapolation may be far off, and midpoints then not near spins */
   const int64_t unknown = s->row_weak ? SMG_COLOURS : 1;
-  const enum smg_row_way way = s->row_strong ? SMG_BY_ROOT : sweep->passes < unknown ? SMG_FROM_FIELD : SMG_FROM_BEFORE;
-  const int late = s->row_strong || (way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale);
+  const enum smg_row_way way = s->row_strong && sweep->passes < SMG_COLOURS ? SMG_BY_ROOT
+                               : sweep->passes < unknown                    ? SMG_FROM_FIELD
+                                                                            : SMG_FROM_BEFORE;
+  const int late = way == SMG_FROM_BEFORE && sweep->whole.now <= SMG_LOOK * s->scale;
   const int watched = sweep->passes >= s->row_from, last = watched && s->row_alone &&
                                                            sweep->passes + 1 >= SMG_OF_STAGE(s, row_passes) &&
                                                            sweep->passes >= SMG_COLOURS;

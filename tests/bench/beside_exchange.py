@@ -20,6 +20,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 import smidgen
 from instructions import MIDPOINT, Kernel, compiled, counted
 from machine import machine
@@ -188,14 +190,23 @@ def beside(lines: list) -> list:
 # Times
 
 def built(scene: Scene):
-    return smidgen.build(smidgen.load_text(scene.text), method=scene.method, features=scene.features, native=True).start("s", h=H).steps(10)
+    """steps(count) of the scene: all at once, or each followed by the map of a tangent vector."""
+    model = smidgen.build(smidgen.load_text(scene.text(SIDE)), method=scene.method, features=scene.features, native=True).start("s", h=H).steps(10)
+    if not scene.pushed:
+        return model.steps
+    vector = np.cross(model.w, [0.0, 0.0, 1.0])
+
+    def pushed(count: int) -> None:
+        for _ in range(count):
+            model.step().tangent(vector)
+    return pushed
 
 
-def turn(model, sites: int, count: int) -> float:
+def turn(steps, sites: int, count: int) -> float:
     """Nanoseconds a spin and step."""
-    begin = time.perf_counter()
-    model.steps(count)
-    return (time.perf_counter() - begin) / count / sites * 1e9
+    begin = time.process_time()
+    steps(count)
+    return (time.process_time() - begin) / count / sites * 1e9
 
 
 def timed(scene: Scene, other: Scene) -> tuple:
@@ -245,10 +256,17 @@ def main() -> None:
     scenes = [scene for scene in SCENES if args.only in scene.name]
     with ThreadPoolExecutor(args.processes) as pool:
         lines = list(pool.map(row, scenes))
+    kept(lines)
     others = {scene.name: scene for scene in SCENES}
     for scene, line in zip(scenes, lines) if args.times else ():
         mine, its = timed(scene, others[scene.beside])
         line |= dict(ns=f"{mine:.1f}", ns_beside=f"{mine / its:.2f}")
+        print(scene.name, line["ns"], line["ns_beside"], file=sys.stderr, flush=True)
+        kept(lines)
+
+
+def kept(lines: list) -> None:
+    """These rows in the table, beside those that it has."""
     made = {line["added"]: line for line in (*before(), *lines)}
     written(beside([made[scene.name] for scene in SCENES if scene.name in made]))
 

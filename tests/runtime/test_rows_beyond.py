@@ -105,3 +105,14 @@ def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(fault, by_rows, 
     model = smidgen.build(smidgen.load_text(SPIRAL))
     one = model.start(w / np.linalg.norm(w, axis=1)[:, None], h=0.673)
     assert (one.steps(1).report()["iterations"] >= 100) == by_rows
+
+
+STRAY = Fault("", "smg_row_spin.h", "#define SMG_ROW_FLAT (smg_real)1", "#define SMG_ROW_FLAT (smg_real)0", ())
+
+
+@pytest.mark.parametrize("fault, by_rows", [(None, True), (STRAY, False)])
+def test_corrections_do_not_lead_sweeps_astray_near_a_fold(fault, by_rows, monkeypatch, tmp_path):
+    """Where 1 - |g|^2 is small rho is found by its root; without it sweeps end in Newton's method."""
+    plant(monkeypatch, tmp_path, fault)
+    one = smidgen.build(smidgen.load_text(SPIRAL + "[starts.s]\nrandom = 1\n")).start("s", h=0.4645).steps(1)
+    assert (min(one.steps(1).report()["iterations"] for _ in range(8)) > 25) == by_rows

@@ -105,7 +105,7 @@ def beyond(model, value) -> int:
 def row_members(swept: bool, stages: int | None, tangent: bool) -> list:
     """swept: by sweeps, of midpoints; stages: of their composition; tangent: with the tangent map."""
     each = f"[{stages}]" if stages and swept else ""
-    of_sweeps = [("int row_strong, row_weak, row_stretched", "flags: |h b| may be large, is small, may exceed 1/3"),
+    of_sweeps = [("int row_strong, row_flat, row_weak, row_stretched", "flags: |h b| may be large, may exceed 1.4, is small, may exceed 1/3"),
                  ("int row_alone", "flag: sites do not interact with sites of their own colour, nor with themselves"),
                  ("int row_due", "flag: the increments of the last step have not yet been added to row_w"),
                  (f"int64_t row_passes{each}, row_fewest{each}", f"passes over the colours in the last step{', of each stage' if each else ''}, and the smaller number of the last two steps"),
