@@ -24,12 +24,15 @@ from matplotlib.figure import Figure
 
 import smidgen
 from machine import machine
+from smidgen.compile.select import select
+from smidgen.cost.effects import counts
 from smidgen.errors import RunError
+from smidgen.run.step.prepared import prepare
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- neighbours: made by `make bench-scenes TIMES=1` -->\n", "<!-- end of neighbours -->"
 TURNS, STEPS = 5, 5              # of each point; steps after the first one
-TURN, FEW, MOST = 0.004, 20, 4000    # seconds of a turn, from the time of a few steps; steps of a turn at most
+TURN, MOST = 0.008, 40000        # seconds and steps of a turn
 GROWTH, SMALLEST = 1.1, 0.02         # of step sizes
 LARGEST = 0.95                       # part of the largest step size that has a solution
 LIMIT = 1.5                          # of what a neighbour costs
@@ -131,18 +134,14 @@ def over_vortices(numbers) -> list:
     return [point(n) for n in numbers]
 
 
-def over_members(spec: str, method: str, h: float, numbers) -> list:
-    rng = np.random.default_rng(1)
+def over_members(spec: str, method: str, h: float, steps: int, numbers) -> list:
+    """steps: of a turn, so many that the call itself takes little of it."""
     model = smidgen.build(spec, method=method)
+    starts = np.random.default_rng(1).standard_normal((max(numbers), model.sites, 3))
+    starts /= np.linalg.norm(starts, axis=2, keepdims=True)
 
     def point(members):
-        start = rng.standard_normal((members, model.sites, 3))
-        start /= np.linalg.norm(start, axis=2, keepdims=True)
-
-        def timed(count):
-            both = [seconds(lambda: smidgen.ensemble(spec, start=start, method=method, h=h, steps=k, threads=1)) for k in (count, 2 * count)]
-            return (both[1] - both[0]) / count
-        return Point(members, timed, members)
+        return Point(members, lambda count: seconds(lambda: smidgen.ensemble(spec, start=starts[:members], method=method, h=h, steps=count, threads=1)) / count, members, steps)
 
     return [point(members) for members in numbers]
 
@@ -159,9 +158,6 @@ def over_effects(effects) -> list:
 
 def operations(spec) -> float:
     """Of the gradients of all effects, a site."""
-    from smidgen.compile.select import select
-    from smidgen.cost.effects import counts
-    from smidgen.run.step.prepared import prepare
     numbers = prepare(spec, "spherical-midpoint", None, {}, "auto").numbers
     return sum(counts(effect, numbers, set())[0] for effect in select(spec).effects)
 
@@ -170,11 +166,13 @@ FAMILIES = {
     "step size, random": lambda: over_h("random"),
     "step size, spiral": lambda: over_h("spiral"),
     "sites of a chain": lambda: [("sites of a chain", over_sites(CHAIN, range(32, 161)))],
-    "sides of a square": lambda: [("sides of a square", over_sites(SQUARE, range(6, 41)))],
-    "sides of a cube": lambda: [("sides of a cube", over_sites(CUBE, range(4, 21)))],
+    "sides of a square": lambda: [("sides of a square", over_sites(SQUARE, range(32, 81)))],
+    "sides of a cube": lambda: [("sides of a cube", over_sites(CUBE, range(32, 49)))],
+    "short sides of a square": lambda: [("short sides of a square", over_sites(SQUARE, range(6, 32)))],
+    "short sides of a cube": lambda: [("short sides of a cube", over_sites(CUBE, range(4, 32)))],
     "point vortices": lambda: [("point vortices", over_vortices(range(32, 331)))],
-    "members, free body": lambda: [("members, free body", over_members("free_rigid_body", "spherical-midpoint", 0.1, range(32, 97)))],
-    "members, four vortices": lambda: [("members, four vortices", over_members("point_vortices", "gauss-4", 0.1, range(32, 65)))],
+    "members, free body": lambda: [("members, free body", over_members("free_rigid_body", "spherical-midpoint", 0.1, 200000, range(32, 97)))],
+    "members, four vortices": lambda: [("members, four vortices", over_members("point_vortices", "gauss-4", 0.1, 4000, range(32, 65)))],
     "unlike effects": lambda: [("unlike effects", over_effects(EFFECTS))],
     "effects on the same bonds": lambda: [("effects on the same bonds", over_effects([EXCHANGE] * 10))],
 }
@@ -182,7 +180,8 @@ FAMILIES = {
 
 def measured(points: list) -> None:
     for point in points:
-        point.count = max(1, int(TURN / max(TURN / MOST, point.timed(FEW))))
+        for _ in range(3 if point.count == 1 else 0):
+            point.count = max(1, int(TURN / max(TURN / MOST, point.timed(point.count))))
     for _ in range(TURNS):
         for point in points:
             point.least = min(point.least, point.timed(point.count) * 1e9)
@@ -216,7 +215,7 @@ def grouped(lines: list) -> dict:
 
 
 def row(series: str, lines: list) -> str:
-    factors = [(max(float(line["factor"]), 1 / float(line["factor"])), line) for line in lines if line["factor"]]
+    factors = [(float(line["factor"]), line) for line in lines if line["factor"]]
     largest, line = max(factors, key=lambda f: f[0])
     above = sum(f > LIMIT for f, _ in factors)
     return f"| {series} | {lines[0]['at']} to {lines[-1]['at']} | {len(lines)} | {largest:.2f} | {line['at']} | {above} |\n"
@@ -239,7 +238,8 @@ def figure(lines: list) -> None:
         ax.set_title(name, fontsize=8)
         ax.tick_params(labelsize=7)
         if name.startswith("step size"):
-            ax.set(xscale="log", yscale="log")
+            ax.set(xscale="log", yscale="log", xticks=(0.02, 0.05, 0.1, 0.2, 0.5), xticklabels=("0.02", "0.05", "0.1", "0.2", "0.5"))
+            ax.minorticks_off()
         else:
             ax.set_ylim(bottom=0)
     fig.supylabel("ns per step (step sizes), or per step and operation", fontsize=8)
