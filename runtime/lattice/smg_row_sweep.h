@@ -154,7 +154,7 @@ SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece,
     smg_turn_aimed(turn, piece, k, piece->start + k, piece->size - k, watched, small, last, moved);
 }
 
-/* Sites of a row from which on that is worth it: in shorter rows it takes longer than the sweeps that it spares. */
+/* Sites that a row has at least where its last one is turned twice: in shorter ones this takes longer than it saves. */
 #define SMG_ROW_ENDS 8
 /* Once more the last sites of those rows of a run that meet the first ones across a seam, in the field of what these
  * are by now; not in the last passes, which move those by round-off. */

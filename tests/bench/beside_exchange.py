@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import re
 import subprocess
 import sys
 import tempfile
@@ -24,7 +23,7 @@ import numpy as np
 
 import smidgen
 from instructions import MIDPOINT, Kernel, compiled, counted
-from machine import machine
+from machine import machine, put_between
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
 from smidgen.cost.effects import counts
@@ -243,8 +242,7 @@ def written(lines: list) -> None:
         found = csv.DictWriter(out, COLUMNS, lineterminator="\n")
         found.writeheader()
         found.writerows(lines)
-    page = (DOCS / "beside_exchange.md").read_text()
-    (DOCS / "beside_exchange.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + table(lines) + END, page, flags=re.DOTALL))
+    put_between(DOCS / "beside_exchange.md", BEGIN, END, table(lines))
 
 
 def main() -> None:

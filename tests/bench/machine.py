@@ -3,6 +3,7 @@ import csv
 import datetime
 import os
 import platform
+import re
 import subprocess
 from pathlib import Path
 
@@ -39,3 +40,8 @@ def write_table(path, lines: list, columns=None, flags: str = "") -> None:
         writer.writerows(lines)
     for line in lines:
         print(line)
+
+
+def put_between(page: Path, begin: str, end: str, text: str) -> None:
+    """Replaces what stands between two lines of a page."""
+    page.write_text(re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: begin + text + end, page.read_text(), flags=re.DOTALL))

@@ -1,6 +1,6 @@
 """Times at neighbouring points: does a slightly larger step, or one site more, cost much more?
 
-    python tests/bench/neighbours.py                 # a quarter of an hour on a machine without other work: docs/neighbours.csv and its figure
+    python tests/bench/neighbours.py                 # some minutes, on a machine without other work: docs/neighbours.csv and its figure
     python tests/bench/neighbours.py --only chain    # the series whose name has this text are measured anew, the others stay
     python tests/bench/neighbours.py --page          # the table and the figure from the measurements that there are
 
@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import re
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -23,44 +22,40 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import smidgen
-from machine import machine
-from smidgen.compile.select import select
-from smidgen.cost.effects import counts
+from beside_exchange import AXIS, DAMPED, FIELD, H, TWIST, Scene, bonds, operations, site
+from machine import machine, put_between
 from smidgen.errors import RunError
-from smidgen.run.step.prepared import prepare
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- neighbours: made by `make bench-scenes TIMES=1` -->\n", "<!-- end of neighbours -->"
 TURNS, STEPS = 5, 5              # of each point; steps after the first one
 TURN, MOST = 0.008, 40000        # seconds and steps of a turn
-GROWTH, SMALLEST = 1.1, 0.02         # of step sizes
-LARGEST = 0.95                       # part of the largest step size that has a solution
-LIMIT = 1.5                          # of what a neighbour costs
+GROWTH, SMALLEST = 1.1, 0.02     # of step sizes
+LARGEST = 0.95                   # part of the largest step size that has a solution
+LIMIT = 1.5                      # of what a neighbour costs
 LATTICE = """[model]
 name = "scene"
 [space]
 w = {{ sphere = "{sites}" }}
 [parameters]
 n = 8
-{effects}
+[effects.exchange]
+over = "bond(i, j) of {lattice}"
+energy = "-dot(w[i], w[j])"
 [starts.random]
 random = 1
 [starts.spiral]
 theta = "1 + 0.5*sin(0.3*i)"
 phi = "0.7*i"
 """
-EXCHANGE = ("bond(i, j) of {}", 'energy = "-dot(w[i], w[j])"')
 CUBE, SQUARE, CHAIN = "cubic(n, n, n, periodic)", "square(n, n, periodic)", "chain(n, periodic)"
 SITES = {CUBE: "n*n*n", SQUARE: "n*n", CHAIN: "n"}
-EFFECTS = (EXCHANGE, ("bond(i, j) of {}", 'energy = "-0.3*triple(vec(0, 0, 1), w[i], w[j])"'), ("site(i) of w", 'energy = "-0.5*w[i].z"'),
-           ("site(i) of w", 'energy = "-0.2*w[i].z^2"'), ("bond(i, j) of {}", 'energy = "-0.1*dot(w[i], w[j])^2"'), ("site(i) of w", 'energy = "-0.2*cos(t)*w[i].x"'),
-           ("site(i) of w", 'energy = "-0.1*normal(1, i)*w[i].y"'), ("site(i) of w", 'damping = "0.1"'), ("site(i) of w", 'energy = "-0.1*(w[i].x^4 + w[i].y^4 + w[i].z^4)"'),
-           ("bond(i, j) of {}", 'energy = "-0.2*w[i].x*w[j].x"'))
+UNLIKE = (TWIST, FIELD, AXIS, bonds("-0.1*dot(w[i], w[j])^2"), site("-0.2*cos(t)*w[i].x"), site("-0.1*normal(1, i)*w[i].y"), DAMPED,
+          site("-0.1*(w[i].x^4 + w[i].y^4 + w[i].z^4)"), bonds("-0.2*w[i].x*w[j].x"))
 
 
-def text_of(effects, lattice: str) -> str:
-    parts = (f'[effects.e{k}]\nover = "{over.format(lattice)}"\n{line}' for k, (over, line) in enumerate(effects))
-    return LATTICE.format(sites=SITES[lattice], effects="\n".join(parts))
+def exchange_on(lattice: str):
+    return smidgen.load_text(LATTICE.format(sites=SITES[lattice], lattice=lattice))
 
 
 @dataclass
@@ -83,14 +78,13 @@ def seconds(work) -> float:
 
 def over_h(start: str) -> Iterator[tuple[str, list]]:
     """The first step, and the mean of those that follow, of 8^3 spins."""
-    spec = smidgen.load_text(text_of([EXCHANGE], CUBE))
-    model = smidgen.build(spec, native=True)
+    model = smidgen.build(exchange_on(CUBE), native=True)
     w = np.array(model.start(start, h=1.0).w)
     largest = largest_h(model, w)
     sizes = SMALLEST * GROWTH ** np.arange(1 + int(np.log(LARGEST * largest / SMALLEST) / np.log(GROWTH)))
 
     def first(h):
-        return lambda _: seconds(lambda: model.step(), ) if model.start(w.copy(), h=h) else 0
+        return lambda _: seconds(model.step) if model.start(w.copy(), h=h) else 0
 
     def following(h):
         return lambda _: seconds(lambda: model.steps(STEPS)) / STEPS if model.start(w.copy(), h=h).step() else 0
@@ -115,7 +109,7 @@ def largest_h(model, w) -> float:
 # Numbers of sites, members and effects
 
 def over_sites(lattice: str, numbers) -> list:
-    spec = smidgen.load_text(text_of([EXCHANGE], lattice))
+    spec = exchange_on(lattice)
 
     def point(n):
         model = smidgen.build(spec, parameters={"n": n}, native=True).start("random", h=0.05)
@@ -148,18 +142,12 @@ def over_members(spec: str, method: str, h: float, steps: int, numbers) -> list:
 
 def over_effects(effects) -> list:
     def point(k):
-        spec = smidgen.load_text(text_of(effects[:k], CUBE))
-        model = smidgen.build(spec, parameters={"n": 12}, native=True).start("random", h=0.0247)
+        scene = Scene("", effects[:k])
+        model = smidgen.build(smidgen.load_text(scene.text()), native=True).start("s", h=H)
         model.steps(20)
-        return Point(k, lambda count: seconds(lambda: model.steps(count)) / count, model.sites * operations(spec))
+        return Point(k + 1, lambda count: seconds(lambda: model.steps(count)) / count, model.sites * operations(scene))
 
-    return [point(k) for k in range(1, len(effects) + 1)]
-
-
-def operations(spec) -> float:
-    """Of the gradients of all effects, a site."""
-    numbers = prepare(spec, "spherical-midpoint", None, {}, "auto").numbers
-    return sum(counts(effect, numbers, set())[0] for effect in select(spec).effects)
+    return [point(k) for k in range(len(effects) + 1)]
 
 
 FAMILIES = {
@@ -173,8 +161,8 @@ FAMILIES = {
     "point vortices": lambda: [("point vortices", over_vortices(range(32, 331)))],
     "members, free body": lambda: [("members, free body", over_members("free_rigid_body", "spherical-midpoint", 0.1, 200000, range(32, 97)))],
     "members, four vortices": lambda: [("members, four vortices", over_members("point_vortices", "gauss-4", 0.1, 4000, range(32, 65)))],
-    "unlike effects": lambda: [("unlike effects", over_effects(EFFECTS))],
-    "effects on the same bonds": lambda: [("effects on the same bonds", over_effects([EXCHANGE] * 10))],
+    "unlike effects": lambda: [("unlike effects", over_effects(UNLIKE))],
+    "effects on the same bonds": lambda: [("effects on the same bonds", over_effects((bonds("-dot(w[i], w[j])"),) * 9))],
 }
 
 
@@ -247,8 +235,7 @@ def figure(lines: list) -> None:
 
 
 def show(lines: list) -> None:
-    path = DOCS / "beside_exchange.md"
-    path.write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + page(lines) + END, path.read_text(), flags=re.DOTALL))
+    put_between(DOCS / "beside_exchange.md", BEGIN, END, page(lines))
     figure(lines)
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import csv
 import datetime
-import re
 import resource
 import subprocess
 import sys
@@ -22,7 +21,7 @@ from pathlib import Path
 
 import smidgen
 from instructions import Kernel, compiled, counted
-from machine import processor
+from machine import processor, put_between
 from smidgen.build.binary import FLAGS, compiler_version, find_compiler
 from smidgen.compile.emit.emit import generate
 from smidgen.compile.select import select
@@ -172,8 +171,7 @@ def main() -> None:
         found = csv.DictWriter(out, COLUMNS, lineterminator="\n")
         found.writeheader()
         found.writerows(lines)
-    page = (DOCS / "scenes.md").read_text()
-    (DOCS / "scenes.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + table(lines) + END, page, flags=re.DOTALL))
+    put_between(DOCS / "scenes.md", BEGIN, END, table(lines))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ import argparse
 import csv
 import math
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -27,7 +26,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
 import scene  # noqa: E402
-from machine import write_table  # noqa: E402
+from machine import put_between, write_table  # noqa: E402
 
 DOCS = HERE.parents[2] / "docs"
 BEGIN, END = "<!-- film: made by `python tests/bench/film/film.py` -->\n", "<!-- end of film -->"
@@ -136,9 +135,7 @@ def table(head: list, rows: list) -> str:
 
 def write_page() -> None:
     first, *rest = (DOCS / "film.csv").read_text().splitlines()
-    made = page(list(csv.DictReader(rest)), first)
-    text = (DOCS / "film.md").read_text()
-    (DOCS / "film.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + made + END, text, flags=re.DOTALL))
+    put_between(DOCS / "film.md", BEGIN, END, page(list(csv.DictReader(rest)), first))
 
 
 def main():
