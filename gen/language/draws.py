@@ -3,6 +3,8 @@ SC 2011), and normal ones by Box and Muller, with the operations of runtime/core
 """
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 UNIFORM, NORMAL, START = 64, 65, 66     # uses of the counter; smg_random.h lists all
@@ -84,20 +86,19 @@ def polar(r, k) -> tuple:
     return np.where((turn == 1) | (turn == 2), -p, p), np.where(turn >= 2, -q, q)
 
 
-def nested(y, divisors):
-    """1 - y/d (1 - y/d' (1 - ..)), the last d first."""
-    first, *others = divisors
-    found = 1 - y / first
-    for d in others:
-        found = 1 - y / d * found
+def alternating(y, numbers):
+    """1/a! - y (1/b! - y (1/c! - ..)) of numbers a, b, c, .."""
+    found = 0
+    for n in reversed(numbers):
+        found = 1.0 / math.factorial(n) - y * found
     return found
 
 
 def one_minus_cos(y):
     """1 - cos x from y = x^2."""
-    return y / 2 * nested(y, (306, 240, 182, 132, 90, 56, 30, 12))
+    return y * alternating(y, range(2, 19, 2))
 
 
 def sine_ratio(y):
     """sin(x)/x from y = x^2."""
-    return nested(y, (272, 210, 156, 110, 72, 42, 20, 6))
+    return alternating(y, range(1, 18, 2))

@@ -118,7 +118,7 @@ SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part) {
 #else
   else if (go.terms == 2) smg_go_on_by(go, part, 2);
   else if (go.terms == 4) smg_go_on_by(go, part, 4);
-#if SMG_COLOURS == 2
+#if SMG_COLOURS <= 2
   else if (go.terms == 5) smg_go_on_by(go, part, 5);
 #endif
 #endif

@@ -61,7 +61,8 @@ static void smg_carry_array(const smg_coefficients *c, smg_real *array, int64_t 
 static void smg_carry_saved(const smg_state *s, int history, int64_t late, enum smg_carried_where where) {
   if (smg_mpi_parts == 1 || (where == SMG_DROPPED && smg_layers_held != s)) return;
   smg_carry_array(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS, where);
-  for (int j = 0; j < history; ++j) smg_carry_array(&s->c, s->past[j], late, SMG_COLOURS - 1, where);
+  for (int j = 0; j < history; ++j)
+    smg_carry_array(&s->c, s->past[j], late, SMG_COLOURS - SMG_FIRST_KEPT(&s->c), where);
   smg_layers_held = where == SMG_TO_LAYERS ? s : NULL;
 }
 

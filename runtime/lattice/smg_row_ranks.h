@@ -13,6 +13,11 @@
 #include "smg_sum.h"
 #endif
 
+/* Increments are kept of all colours but the first, whose midpoints follow from the others; where its sites meet across
+ * a seam, or are all there are, of that one too: the first colour and slot. */
+#define SMG_FIRST_KEPT(c) (SMG_COLOURS == 1 || smg_meet_at_seam(c) ? 0 : 1)
+#define SMG_KEPT_FROM(c) (SMG_FIRST_KEPT(c) * smg_colour_slots(c))
+
 #if defined(SMG_MPI) && SMG_BY_ROWS && !SMG_ROW_TURNS
 #include <mpi.h>
 
@@ -167,7 +172,7 @@ static void smg_gather_saved(const smg_state *s, int history, int64_t late) {
   smg_choose_ranks(&s->c);
   if (smg_mpi_parts == 1) return;
   smg_mpi_gather(&s->c, s->row_compensation, smg_pitch(&s->c), SMG_COLOURS);
-  for (int j = 0; j < history; ++j) smg_mpi_gather(&s->c, s->past[j], late, SMG_COLOURS - 1);
+  for (int j = 0; j < history; ++j) smg_mpi_gather(&s->c, s->past[j], late, SMG_COLOURS - SMG_FIRST_KEPT(&s->c));
 }
 
 /* Numbers of the k-th late slot, from the rank that has it. */

@@ -45,15 +45,11 @@
 /* w before the step, what the predictor has missed, and the increments of all stages for the tangent map */
 #define SMG_ROW_HELD(size) ((2 + SMG_COMPOSED * SMG_TANGENT) * (size) + SMG_WIDEST)
 #else
-#define SMG_ROW_HISTORY (SMG_COLOURS == 2 ? 5 : 4)
+#define SMG_ROW_HISTORY (SMG_COLOURS <= 2 ? 5 : 4)
 #define SMG_ROW_SPARE 0
 #define SMG_ROW_HELD(size) 0
 #endif
-/* Increments are kept of all colours but the first, whose midpoints follow from the others; where its sites meet across
- * a seam, of that one too. The first colour and slot that they are kept of, and the pitches of the arrays of slots
- * before it and from it on. */
-#define SMG_FIRST_KEPT(c) (smg_meet_at_seam(c) ? 0 : 1)
-#define SMG_KEPT_FROM(c) (SMG_FIRST_KEPT(c) * smg_colour_slots(c))
+/* The pitches of the arrays of slots before the first one that increments are kept of, and from it on. */
 #define SMG_FIRST_PITCH(c) (SMG_KEPT_FROM(c) + SMG_BEFORE + SMG_AFTER)
 #define SMG_LATE_PITCH(c) (smg_slots(c) - SMG_KEPT_FROM(c) + SMG_BEFORE + SMG_AFTER)
 
@@ -189,7 +185,7 @@ static void smg_clear_rows(const smg_state *s) {
 }
 #endif
 
-#if SMG_ONTO_LEAF
+#if SMG_ONTO_LEAF && SMG_HAS_COUPLED
 /* Those of a state that is kept by sites, for the sweeps of smg_row_beyond.h, and their number. */
 static inline size_t smg_place_beyond(smg_state *s, smg_real *mem) {
   const size_t size = (size_t)smg_array_size(&s->c), first = (size_t)(3 * SMG_FIRST_PITCH(&s->c)),
@@ -219,7 +215,7 @@ static inline size_t smg_beyond_size(const smg_coefficients *c) {
 #endif
 
 static inline void smg_make_tables(smg_state *s) {
-#if SMG_ONTO_LEAF
+#if SMG_ONTO_LEAF && SMG_HAS_COUPLED
   if (!s->rows) (void)smg_place_beyond(s, s->row_beyond);
   smg_fill_tables(s);
 #else

@@ -324,7 +324,7 @@ static inline void smg_begin_sweeping(smg_row_sweeping *sweep) {
 static inline smg_real smg_recent(const smg_real *changes, int64_t next) {
   smg_real most = 0;
   for (int k = 0; k < SMG_COLOURS; ++k)
-    if (k != next) most = smg_max(most, changes[k]);
+    if (k != next || SMG_COLOURS == 1) most = smg_max(most, changes[k]);
   return most;
 }
 

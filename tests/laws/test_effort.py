@@ -33,7 +33,7 @@ NEWTON = [("point_vortices", SPHERICAL, "newton", 0.4), ("point_vortices", CLASS
           ("nambu_a38", SPHERICAL, "auto", 0.2), ("nambu_a39", SPHERICAL, "auto", 0.2),
           ("free_rigid_body", SPHERICAL, "auto", 0.5), ("free_rigid_body", CLASSICAL, "auto", 1.25),
           ("free_rigid_body", VESELOV, "auto", 1.25), ("forced_rigid_body", SPHERICAL, "auto", 0.6),
-          ("PULSE", SPHERICAL, "auto", 0.2), ("test_particles", SPHERICAL, "auto", 1.0)]
+          ("PULSE", SPHERICAL, "auto", 0.2), ("test_particles", SPHERICAL, "newton", 0.5)]
 
 
 FEW = ("point_vortices", "product", "heisenberg_chain", "GLASS", "CORNERS", "two_bodies", "free_rigid_body", "forced_rigid_body")

@@ -98,7 +98,7 @@ def _held(r):
 def _by_site(r):
     """What prevents the fast layout."""
     if r.by_site:
-        yield f"The lattice is processed site by site rather than by rows, because {r.by_site}."
+        yield f"Steps are taken site by site rather than by rows, because {r.by_site}."
 
 
 def _numbers(count: int) -> str:

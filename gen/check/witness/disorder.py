@@ -26,17 +26,18 @@ def box_muller(k: int, turn: int) -> float:
     r, quarter = math.sqrt(minus_two_log(k)), (turn + 2**29) // 2**30
     x = float(turn - quarter * 2**30) * 1.4629180792671596e-9
     if quarter % 2:
-        value = r * (x * alternating(x * x, range(2, 17, 2)))
+        value = r * (x * series(x * x, 17))
     else:
-        value = r * (1.0 - x * x / 2.0 * alternating(x * x, range(3, 18, 2)))
+        value = r * (1.0 - x * x * series(x * x, 18))
     return -value if quarter % 4 in (1, 2) else value
 
 
-def alternating(y: float, numbers) -> float:
-    """1 - y/(n (n + 1)) (1 - y/((n + 2)(n + 3)) (1 - ..))."""
-    total = 1.0
-    for n in reversed(numbers):
-        total = 1.0 - y / float(n * (n + 1)) * total
+def series(y: float, last: int) -> float:
+    """.. + y^2/(last - 4)! - y/(last - 2)! + 1/last!, each sign unlike the next, by Horner's rule from there."""
+    total = 0.0
+    while last > 0:
+        total = 1.0 / math.factorial(last) - y * total
+        last -= 2
     return total
 
 

@@ -11,6 +11,7 @@ from ..derive.written import over
 from ..lower.code import mentions
 from ..lower.lowering import index_names
 from .bond_values import bond_partings, unlike_bonds
+from .common_cell import lattices
 from .row_bounds import bends
 from .site_values import differs, partings
 
@@ -19,7 +20,7 @@ BOUNDED_DOMAIN = sp.log, sp.tan, sp.asin, sp.acos       # not finite for all num
 
 def of_lattices(model) -> str | None:
     """The bonds: "" where there are none of a lattice, and nobody asks."""
-    found = {(t.over.size, t.over.sites) for t in model.fields if isinstance(t.over, Lattice)}
+    found = {(over.size, over.sites) for over in lattices(model)}
     return "" if not found else "its bonds belong to several lattices" if len(found) > 1 else None
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from ...language.spec import Lattice, Sites
 from ...language.sublattice import together
 from ..lower.code import Call, If, Name, Return
-from ..lower.integers import ZERO, Computed, Index, Int, compare, modulo, total
+from ..lower.integers import ZERO, Computed, Index, Int, Whole, compare, modulo, total
+from .part import MOST_LANES
 
 
 def roles(model) -> list:
@@ -18,8 +19,17 @@ def roles(model) -> list:
 
 
 def lattices(model) -> list:
-    """Those of all bonds."""
-    return [common(model, t.over) for t, _ in roles(model) if isinstance(t.over, Lattice)]
+    """Those of all bonds; where there are none, a chain without bonds of sites that feel only themselves."""
+    found = [common(model, t.over) for t, _ in roles(model) if isinstance(t.over, Lattice)]
+    return found or [Lattice(("i",), (f.family.count,), (False,), 1, ()) for f in model.families if free(model)]
+
+
+def free(model) -> bool:
+    """Do sites feel only themselves, of one family that fills lanes, by a method that goes by rows where no colours are needed?"""
+    count, method = model.families[0].count, model.method
+    fills = len(model.families) == 1 and (not isinstance(count, Whole) or count.value >= MOST_LANES)
+    stepped = method.takes_fields or method.of_midpoints and not method.divided
+    return stepped and fills and bool(model.fields) and all(isinstance(t.over, Sites) for t in model.fields)
 
 
 def common(model, over: Lattice) -> Lattice:

@@ -88,7 +88,7 @@ class ByRows(Part):
 
 def proved_at_solutions(model) -> bool:
     """Are sweeps by rows beyond the bound shown to be right at their solution? Where midpoints stand on spheres."""
-    return model.method.of_midpoints and model.method.onto_leaf
+    return bool(model.plan.coupled) and model.method.onto_leaf
 
 
 def kinds_buffer(model) -> list:

@@ -20,7 +20,7 @@ from ..plan.contributions import fields_of, laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, End, Role, bonded, number_functions, number_name, numbers_of, unlike_bonds
 from .by_site import of_absent, of_lattices, of_laws, of_radii, of_space, of_term, of_zeros, unlike_in
-from .common_cell import firsts, homes_of, in_cells, lattices, place_of, roles
+from .common_cell import firsts, free, homes_of, in_cells, lattices, place_of, roles
 from .families import SITE, by_family
 from .lanes import in_lanes, named
 from .norms import row_sums
@@ -185,7 +185,7 @@ def midpoint_rows(model) -> bool:
     """May midpoints be swept by rows, under a bound that tells for which h sweeps converge?"""
     plan, method = model.plan, model.method
     swept = plan.rotation if method.onto_leaf else plan.auto and plan.solver != "dense" and not method.divided
-    return swept and not plan.local and "extended" not in model.features
+    return (plan.auto and free(model) or swept and not plan.local) and "extended" not in model.features
 
 
 def longest(model) -> str:
@@ -208,7 +208,7 @@ def fits(found: Rows, lattices) -> bool:
     even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
     near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
     based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return c.colours > 1 and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
+    return (c.colours > 1 or not any(over.bonds for over in lattices)) and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
 
 
 def alike(model, low, whole, bounds, which: int) -> tuple:

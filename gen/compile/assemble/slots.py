@@ -20,7 +20,7 @@ class Slots:
         self.colours, self.ends = found.colours.colours, number("SMG_BEFORE") + number("SMG_AFTER")
         self.colour = whole_vectors(found.ranks * prod(others) * row)
         seam = any(rings >> d & 1 and w * n % self.colours for d, (w, n) in enumerate(zip(found.colours.weights, sizes)))
-        self.kept_from = 0 if seam else self.colour
+        self.kept_from = 0 if seam or self.colours == 1 else self.colour
 
     @property
     def pitch(self) -> int:
@@ -29,7 +29,7 @@ class Slots:
 
     def arrays(self, of_midpoints: bool, stages: int | None = None, tangent: bool = False) -> int:
         """Those of smg_row_layout; stages: of a composition; tangent: with the tangent map."""
-        history = COMPOSED + min(stages, COMPOSED) if stages else 5 if self.colours == 2 else 4
+        history = COMPOSED + min(stages, COMPOSED) if stages else 5 if self.colours <= 2 else 4
         of_sweeps = 3 * (1 + tangent) * (self.kept_from + self.ends) + 3 * (history + 1) * (self.pitch - self.kept_from) + (3 * (2 + stages * tangent) * self.pitch + MOST_LANES if stages else 0)
         return MOST_LANES + 9 * self.pitch + of_sweeps * of_midpoints
 

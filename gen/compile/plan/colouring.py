@@ -41,7 +41,7 @@ def bonds_of(lattices) -> dict:
 def colouring_of_bonds(dimension: int, sites: int, bonds: tuple) -> Colouring:
     """The same, by the number of directions, the places of a cell, and the bonds of all lattices."""
     apart = apart_from(bonds)
-    for colours in range(2, MOST_COLOURS + 1):
+    for colours in range(2, MOST_COLOURS + 1) if bonds else ():
         some = list(islice(colourings(colours, dimension, sites, apart), LOOKED_AT))
         if some:
             return next((c for most in (FEW_KINDS, KNOWN) for c in some if kinds(c, sites, bonds) <= most), some[0])

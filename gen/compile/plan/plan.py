@@ -131,7 +131,7 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
         return Plan(method, (), (), *METHODS[method].how)
     require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved separately")
     if not coupled:
-        return Plan(method, local, coupled, "local", "every site is solved separately, by Newton or in closed form")
+        return Plan(method, local, coupled, "local", "every site is solved separately, by Newton or in closed form", auto=solver == "auto")
     if solver not in METHODS[method].solvers:
         raise UsageError(f"method {method} has no solver '{solver}'; use {' or '.join(METHODS[method].solvers)}")
     if solver in ("rotation", "plain"):

@@ -9,13 +9,13 @@
 #include "smg_predictor.h"
 #include "smg_report.h"
 #include "smg_state.h"
+#if SMG_BY_ROWS
+#include "smg_row_step.h"
+#endif
 #if SMG_HAS_COUPLED
 #include "smg_branch.h"
 #if SMG_SWEPT
 #include "smg_swept.h"
-#endif
-#if SMG_BY_ROWS
-#include "smg_row_step.h"
 #endif
 #if SMG_BY_ROWS && SMG_ONTO_LEAF
 #include "smg_row_beyond.h"

@@ -200,7 +200,7 @@ static smg_status smg_push_column(smg_state *s, smg_real h, smg_real *v, smg_rea
 }
 
 static size_t smg_step_tangent_memory(SMG_UNUSED const smg_model *model) {
-#if SMG_HAS_COUPLED
+#if SMG_BY_ROWS || SMG_HAS_COUPLED
   smg_coefficients c;
   c.model = model;
 #if SMG_BY_ROWS /* more than steps by sites need, whose matrix keeps at most its permutation */
