@@ -13,13 +13,16 @@ from .extent import MOST, OneTime, expanded, largest, largest_ever, varies
 from .norms import isotropic, spectral_bound
 
 
+MOST_MONOMIALS = 200    # of an entry of the Hessian
+
+
 class Spins:
     """The vectors of a term where none is longer than the radius of its family; ends: the least and the largest value of each component, and of a symbol for each of their products."""
 
     def __init__(self, low, t, radii):
         vectors, r = t.derived.vectors, [length(low, radii[family]) for family, _ in t.slots]
         pairs = {sp.Dummy(real=True): (n, m) for n in range(len(vectors)) for m in range(n, len(vectors))}
-        self.components = {x for v in vectors for x in v}
+        self.vectors, self.components = vectors, {x for v in vectors for x in v}
         self.products = {p: (vectors[n], vectors[m]) for p, (n, m) in pairs.items()}
         self.ends = {**{x: (-r[n], r[n]) for n, v in enumerate(vectors) for x in v}, **{p: (-r[n] * r[m], r[n] * r[m]) for p, (n, m) in pairs.items()}}
 
@@ -141,8 +144,51 @@ def frobenius(low, block, spins: Spins):
 
 def largest_sums(low, block, spins: Spins):
     """The root of the largest sum of a row times that of a column."""
-    sizes = [largest_ever(low, sp.Abs(x), spins.ends) for x in block]
+    sizes = [largest_of_monomials(low, x, spins) or largest_ever(low, sp.Abs(x), spins.ends) for x in block]
     if None in sizes:
         return None
     rows, columns = [sum(sizes[3 * a:3 * a + 3]) for a in range(3)], [sum(sizes[a::3]) for a in range(3)]
-    return largest(*rows) if rows == columns else sp.sqrt(largest(*rows) * largest(*columns))
+    most, across = (largest(*([x for x in part if x != 0] or [sp.S.Zero])) for part in (rows, columns))
+    return most if rows == columns else sp.sqrt(most * across)
+
+
+# Polynomials
+
+def largest_of_monomials(low, e, spins: Spins):
+    """Of a polynomial of components, whose coefficients may turn with the time: the sum of |coefficient| times the largest value of its monomial; None of another formula, or of a long one.
+
+    Of cosines and sines it is a sum of waves, each with an amplitude of its own: cos(a)^4 - 6 cos(a)^2 sin(a)^2 + sin(a)^4 = cos(4 a) is no larger than 1.
+    """
+    e, turning = in_waves(low, e)
+    variables = {*spins.ends, *turning}
+    found = {}
+    for term in sp.Add.make_args(e):
+        factor, monomial = term.as_independent(*variables, as_Add=False)
+        found[monomial] = found.get(monomial, 0) + factor
+    whole = all(x in variables and n.is_Integer and (n > 0 or x in turning) for m in found for x, n in m.as_powers_dict().items() if x != 1)
+    fixed = whole and not any(varies(low, factor) for factor in found.values())
+    return sum((modulus(factor) * largest_value(m, spins, turning) for m, factor in found.items()), sp.S.Zero) if fixed and len(found) <= MOST_MONOMIALS else None
+
+
+def in_waves(low, e) -> tuple:
+    """(e, expanded, with (u + 1/u)/2 and (u - 1/u)/2i in place of the cosine and the sine of an angle that the time enters, the symbols u)."""
+    angles = {x.args[0]: sp.Dummy("u") for x in e.atoms(sp.cos, sp.sin) if varies(low, x)}
+    waves = {f: (u + sign / u) / (2 if sign > 0 else 2 * sp.I) for angle, u in angles.items() for f, sign in ((sp.cos(angle), 1), (sp.sin(angle), -1))}
+    return expanded(e.xreplace(waves)), set(angles.values())
+
+
+def modulus(factor):
+    """That of a complex number whose parts are formulas."""
+    imaginary = factor.coeff(sp.I)
+    real = expanded(factor - sp.I * imaginary)
+    return sp.Abs(real) if imaginary == 0 else sp.Abs(imaginary) if real == 0 else sp.sqrt(real ** 2 + imaginary ** 2)
+
+
+def largest_value(monomial, spins: Spins, turning):
+    """Of |x^a y^b z^c| where (x, y, z) is no longer than r: r^n sqrt(a^a b^b c^c/n^n), n = a + b + c."""
+    powers = {x: int(n) for x, n in monomial.as_powers_dict().items() if x not in (1, *turning)}
+    value = sp.prod(spins.ends[x][1] ** n for x, n in powers.items())
+    for vector in dict.fromkeys(map(tuple, spins.vectors)):
+        n = [powers.get(x, 0) for x in vector]
+        value *= sp.sqrt(sp.Rational(sp.prod(k ** k for k in n), sum(n) ** sum(n)))
+    return value
