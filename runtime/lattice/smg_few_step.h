@@ -33,10 +33,16 @@ typedef struct smg_few_motion {
   smg_lanes square, part, size, row, products;
 } smg_few_motion;
 
+/* The sites of a step: their arrays, the first of them in the state, how many they are, and slots of an array. */
+typedef struct smg_few_sites {
+  smg_real *a;
+  int64_t first, sites, pitch;
+} smg_few_sites;
+
 /* s->u = u extrapolated, the newest increments last: they are ready last. */
-static void smg_few_predict(const smg_state *s) {
-  const int64_t n = 3 * smg_sites(&s->c), whole = n - n % SMG_LANES;
-  for (int64_t k = 0; k < whole; k += SMG_LANES) {
+SMG_INLINE void smg_few_predict(const smg_state *s, const smg_few_sites *b) {
+  const int64_t from = 3 * b->first, n = from + 3 * b->sites, whole = n - (n - from) % SMG_LANES;
+  for (int64_t k = from; k < whole; k += SMG_LANES) {
     smg_lanes sum = {0};
     for (int j = s->degree; j >= 0; --j) sum += smg_weight(s->degree, j) * smg_lane_take(s->past[j] + k);
     smg_lane_put(s->u + k, sum);
@@ -49,20 +55,21 @@ static void smg_few_predict(const smg_state *s) {
 
 /* The arrays of a step for the sites of one vector, `in` of them sites of the state: lanes beyond hold a vector that
  * nothing turns. */
-SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pitch, int64_t i, int64_t in) {
-  smg_real *a = s->few + i;
+SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, const smg_few_sites *b, int64_t i, int64_t in) {
+  smg_real *a = b->a + i;
+  const int64_t pitch = b->pitch, site = b->first + i;
   smg_lanes rate = {0}, radius = smg_lane_of(1);
   smg_lane_mask small = smg_lane_all(0);
   for (int64_t l = 0; l < in; ++l) {
-    smg_lane_set(&rate, (int)l, (smg_real)0.5 * smg_h_over_kappa(&s->c, i + l, h));
-    smg_lane_set(&radius, (int)l, smg_radius(&s->c, i + l));
+    smg_lane_set(&rate, (int)l, (smg_real)0.5 * smg_h_over_kappa(&s->c, site + l, h));
+    smg_lane_set(&radius, (int)l, smg_radius(&s->c, site + l));
   }
   for (int q = 0; q < 3; ++q) {
-    const smg_lanes w = smg_few_gather(s->w + 3 * i + q, in, q == 2);
+    const smg_lanes w = smg_few_gather(s->w + 3 * site + q, in, q == 2);
     small |= (smg_lane_mask)(smg_lane_abs(w) < SMG_SMALL_PART * radius);
     smg_lane_put(a + (SMG_FEW_W + q) * pitch, w);
-    smg_lane_put(a + (SMG_FEW_LOST + q) * pitch, smg_few_gather(s->compensation + 3 * i + q, in, 0));
-    smg_lane_put(a + (SMG_FEW_U + q) * pitch, smg_few_gather(s->u + 3 * i + q, in, 0));
+    smg_lane_put(a + (SMG_FEW_LOST + q) * pitch, smg_few_gather(s->compensation + 3 * site + q, in, 0));
+    smg_lane_put(a + (SMG_FEW_U + q) * pitch, smg_few_gather(s->u + 3 * site + q, in, 0));
   }
 #if SMG_OWN_RADIUS
   small |= (smg_lane_mask)(radius < smg_lane_of(SMG_SMALL_PART * s->scale));
@@ -74,19 +81,18 @@ SMG_INLINE smg_lane_mask smg_few_fill(const smg_state *s, smg_real h, int64_t pi
 
 /* The arrays of a step from the state, u extrapolated; is a component, or a sphere, so small that it is watched on its
  * own? */
-static int smg_few_enter(const smg_state *s, smg_real h) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites), whole = sites - sites % SMG_LANES;
+SMG_INLINE int smg_few_enter(const smg_state *s, smg_real h, const smg_few_sites *b) {
+  const int64_t whole = b->sites - b->sites % SMG_LANES;
   smg_lane_mask small = smg_lane_all(0);
-  smg_few_predict(s);
-  for (int64_t i = 0; i < whole; i += SMG_LANES) small |= smg_few_fill(s, h, pitch, i, SMG_LANES);
-  if (whole < sites) small |= smg_few_fill(s, h, pitch, whole, sites - whole);
+  smg_few_predict(s, b);
+  for (int64_t i = 0; i < whole; i += SMG_LANES) small |= smg_few_fill(s, h, b, i, SMG_LANES);
+  if (whole < b->sites) small |= smg_few_fill(s, h, b, whole, b->sites - whole);
   return smg_lane_any(small);
 }
 
-static void smg_few_leave(const smg_state *s) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites);
-  for (int64_t k = 0; k < sites; ++k)
-    for (int q = 0; q < 3; ++q) s->u[3 * k + q] = s->few[(SMG_FEW_U + q) * pitch + k];
+SMG_INLINE void smg_few_leave(const smg_state *s, const smg_few_sites *b) {
+  for (int64_t k = 0; k < b->sites; ++k)
+    for (int q = 0; q < 3; ++q) s->u[3 * (b->first + k) + q] = b->a[(SMG_FEW_U + q) * b->pitch + k];
 }
 
 /* m = (w + compensation + u/2)/|..|, as long as the radius: times r/|..| = (r/|..|^2) |..|, so that the root and the
@@ -121,11 +127,10 @@ SMG_INLINE void smg_few_watch(const smg_real *a, int64_t pitch, int64_t i, const
 }
 
 /* The square of how much smaller than others a sphere is: it is watched as if it were as large. */
-SMG_INLINE smg_lanes smg_few_up(SMG_UNUSED const smg_state *s, SMG_UNUSED int64_t pitch, SMG_UNUSED int64_t i,
-                                SMG_UNUSED int small) {
+SMG_INLINE smg_lanes smg_few_up(SMG_UNUSED const smg_state *s, SMG_UNUSED const smg_real *a, SMG_UNUSED int64_t pitch,
+                                SMG_UNUSED int64_t i, SMG_UNUSED int small) {
 #if SMG_OWN_RADIUS
-  const smg_lanes r = smg_lane_take(s->few + SMG_FEW_RADIUS * pitch + i),
-                  most = smg_lane_larger(r, smg_lane_of(s->scale));
+  const smg_lanes r = smg_lane_take(a + SMG_FEW_RADIUS * pitch + i), most = smg_lane_larger(r, smg_lane_of(s->scale));
   if (small) return most * most / (r * r);
 #endif
   return smg_lane_of(1);
@@ -145,8 +150,8 @@ SMG_INLINE void smg_few_turn(const smg_state *s, const smg_told *told, smg_real 
   }
   if (small) smg_few_watch(a, pitch, i, u, before, moved);
   smg_put_slots(a + SMG_FEW_U * pitch, pitch, i, u);
-  moved->square = smg_lane_max(moved->square, smg_few_up(s, pitch, i, small) * smg_lane_dot(before, before));
-  moved->size = smg_lane_larger(moved->size, smg_few_up(s, pitch, i, small) * smg_lane_dot(u, u));
+  moved->square = smg_lane_max(moved->square, smg_few_up(s, a, pitch, i, small) * smg_lane_dot(before, before));
+  moved->size = smg_lane_larger(moved->size, smg_few_up(s, a, pitch, i, small) * smg_lane_dot(u, u));
 }
 
 /* smg_respond_norm */
@@ -176,19 +181,53 @@ SMG_INLINE void smg_few_rows(const smg_told *told, const smg_real *a, int64_t pi
   moved->products = smg_lane_max(moved->products, smg_lane_first(in, square));
 }
 
-/* All increments from the midpoints as they were; last: with those bounds. */
-SMG_INLINE smg_few_motion smg_few_evaluate(const smg_state *s, int small, int last) {
-  const int64_t sites = smg_sites(&s->c), pitch = smg_whole_vectors(sites);
+SMG_INLINE smg_few_motion smg_few_still(void) {
   const smg_lanes none = {0};
-  smg_few_motion moved = {none, none, none, none, none};
-  const smg_told told = smg_told_of(&s->c, 0);
-  smg_few_midpoints(s->few, sites, pitch);
-  for (int64_t i = 0; i < sites; i += SMG_LANES) {
-    smg_lanes g[4] = {none, none, none, none};
-    if (last) smg_few_norms(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    else smg_few_field(&s->c, s->few + SMG_FEW_M * pitch, pitch, i, g);
-    if (last) smg_few_rows(&told, s->few, pitch, i, sites - i, g, g[3], &moved);
-    smg_few_turn(s, &told, s->few, pitch, i, sites - i, small, g, &moved);
+  const smg_few_motion still = {none, none, none, none, none};
+  return still;
+}
+
+/* dH/dw of the sites of one vector, and a bound on the norms of the Hessian in their rows. */
+SMG_INLINE void smg_few_field_at(const smg_state *s, const smg_few_sites *b, int64_t i, smg_lanes *g) {
+  for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
+#if SMG_ALONE_IN_LANES
+  smg_lanes m[3];
+  smg_take_from(3, b->a + SMG_FEW_M * b->pitch + i, b->pitch, m);
+  smg_alone_field(&s->c, s->m, 0, m, g);
+#else
+  smg_few_field(&s->c, b->a + SMG_FEW_M * b->pitch, b->pitch, i, g);
+#endif
+}
+SMG_INLINE void smg_few_norms_at(const smg_state *s, const smg_few_sites *b, int64_t i, smg_lanes *g) {
+#if SMG_ALONE_IN_LANES
+  smg_lanes m[3];
+  smg_few_field_at(s, b, i, g);
+  smg_take_from(3, b->a + SMG_FEW_M * b->pitch + i, b->pitch, m);
+  g[3] = smg_lane_of(0);
+  for (int k = 0; k < 3; ++k) { /* of all three columns */
+    smg_lanes d[3] = {smg_lane_of(k == 0), smg_lane_of(k == 1), smg_lane_of(k == 2)},
+              y[3] = {smg_lane_of(0), smg_lane_of(0), smg_lane_of(0)};
+    smg_alone_change(&s->c, s->m, 0, m, d, y);
+    g[3] += smg_lane_dot(y, y);
+  }
+  g[3] = smg_lane_sqrt(g[3]);
+#else
+  for (int k = 0; k < 4; ++k) g[k] = smg_lane_of(0);
+  smg_few_norms(&s->c, b->a + SMG_FEW_M * b->pitch, b->pitch, i, g);
+#endif
+}
+
+/* All increments from the midpoints as they were; last: with those bounds. */
+SMG_INLINE smg_few_motion smg_few_evaluate(const smg_state *s, const smg_few_sites *b, int small, int last) {
+  smg_few_motion moved = smg_few_still();
+  const smg_told told = smg_told_of(&s->c, b->first);
+  smg_few_midpoints(b->a, b->sites, b->pitch);
+  for (int64_t i = 0; i < b->sites; i += SMG_LANES) {
+    smg_lanes g[4];
+    if (last) smg_few_norms_at(s, b, i, g);
+    else smg_few_field_at(s, b, i, g);
+    if (last) smg_few_rows(&told, b->a, b->pitch, i, b->sites - i, g, g[3], &moved);
+    smg_few_turn(s, &told, b->a, b->pitch, i, b->sites - i, small, g, &moved);
   }
   return moved;
 }
@@ -203,10 +242,10 @@ static inline int smg_few_settled(const smg_state *s, const smg_rest *whole, con
 
 /* Iterates until it has settled, and returns the row sums of J - I up to which the step is accepted, or 0 if it does
  * not settle soon. Changes that are round-off of the field, whose terms may cancel, need not shrink. */
-static smg_real smg_few_settle(smg_state *s, int small) {
+SMG_INLINE smg_real smg_few_settle(smg_state *s, const smg_few_sites *b, int small) {
   smg_rest whole = smg_unknown_rest, part = smg_unknown_rest;
   for (int n = 1; n < SMG_FEW_ROUNDS; ++n) {
-    const smg_few_motion moved = smg_few_evaluate(s, small, 0);
+    const smg_few_motion moved = smg_few_evaluate(s, b, small, 0);
     const smg_real change = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
     const int still = smg_still(change, s->scale);
     if (n > 3 && !(change <= SMG_CONTRACTS * whole.now) && !smg_swept_to_round_off(change, s->scale)) return 0;
@@ -220,13 +259,14 @@ static smg_real smg_few_settle(smg_state *s, int small) {
 }
 
 /* The last evaluation: do its increments solve the step, and on the right branch? */
-static int smg_few_solved(smg_state *s, smg_real rows) {
-  const smg_few_motion moved = smg_few_evaluate(s, 0, 1);
+SMG_INLINE int smg_few_solved(smg_state *s, const smg_few_sites *b, smg_real rows) {
+  const smg_few_motion moved = smg_few_evaluate(s, b, 0, 1);
   s->report.residual = SMG_MATH(sqrt)(smg_lane_largest(moved.square));
   const int solved = smg_swept_to_round_off(s->report.residual, s->scale) || smg_tolerated(s, s->report.residual);
   return solved && smg_lane_largest(moved.row) <= rows && smg_lane_largest(moved.products) <= s->scale * s->scale;
 }
 
+#if SMG_FEW_IN_LANES
 #if SMG_UNIT == 2
 SMG_LINKED smg_status smg_few_iterate(smg_state *s, smg_real h);
 #else
@@ -237,14 +277,16 @@ SMG_LINKED smg_status smg_few_iterate(smg_state *s, smg_real h) {
     s->newton_steps -= !SMG_SWEPT;
     return SMG_NO_CONVERGENCE;
   }
-  const smg_real rows = smg_few_settle(s, smg_few_enter(s, h));
-  if (rows > 0 && smg_few_solved(s, rows)) {
-    smg_few_leave(s);
+  const smg_few_sites b = {s->few, 0, smg_sites(&s->c), smg_whole_vectors(smg_sites(&s->c))};
+  const smg_real rows = smg_few_settle(s, &b, smg_few_enter(s, h, &b));
+  if (rows > 0 && smg_few_solved(s, &b, rows)) {
+    smg_few_leave(s, &b);
     return SMG_OK;
   }
   s->newton_steps = SMG_SWEPT ? 0 : SMG_NEWTON_STEPS;
   return SMG_NO_CONVERGENCE;
 }
+#endif
 #endif
 
 #endif

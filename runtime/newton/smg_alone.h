@@ -324,14 +324,29 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
   return status;
 }
 
+#if SMG_ALONE_IN_LANES
+#define SMG_ALONE_BLOCK 64 /* sites: bits */
+#include "smg_alone_lanes.h"
+/* Is the n-th site solved with the others of its block? *solved: of that block. */
+static int smg_solved_in_lanes(smg_state *s, smg_real h, int64_t n, uint64_t *solved) {
+  const int64_t left = smg_alone(&s->c) - n;
+  if (n % SMG_ALONE_BLOCK == 0)
+    *solved = smg_solve_block(s, h, smg_alone_site(&s->c, n), left < SMG_ALONE_BLOCK ? left : SMG_ALONE_BLOCK);
+  return *solved >> n % SMG_ALONE_BLOCK & 1;
+}
+#else
+#define smg_solved_in_lanes(s, h, n, solved) ((void)(solved), 0)
+#endif
+
 /* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
  * whether or not the others have a step. The report has the most iterations, and the largest residual, of any site. */
 static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
   int iterations = SMG_HAS_COUPLED ? s->report.iterations : 0;
   smg_real residual = SMG_HAS_COUPLED ? s->report.residual : 0;
+  uint64_t solved = 0;
   int64_t n = 0;
-  while (n < smg_alone(&s->c) && status == SMG_OK) {
-    status = smg_solve_alone(s, h, smg_alone_site(&s->c, n++));
+  for (; n < smg_alone(&s->c) && status == SMG_OK; ++n) {
+    if (!smg_solved_in_lanes(s, h, n, &solved)) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n));
     iterations = s->report.iterations > iterations ? s->report.iterations : iterations;
     smg_take(&residual, s->report.residual);
   }

@@ -57,8 +57,8 @@ def most(model) -> Effort:
 
 
 def large_stack(model) -> bool:
-    """By rows, or without a matrix."""
-    return model.plan.layout == "rows" or bool(model.coupled) and not model.plan.matrix
+    """By rows, by blocks of tracers, or without a matrix."""
+    return model.plan.layout == "rows" or model.alone_in_lanes is not None or bool(model.coupled) and not model.plan.matrix
 
 
 # Methods that are no midpoints

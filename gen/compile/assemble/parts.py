@@ -1,6 +1,7 @@
 """All parts, in the order in which they are made; the functions of each may mention those of parts before it."""
 from __future__ import annotations
 
+from .alone_lanes import TracersInLanes
 from .asked import Ensemble, PlainSums, Tangent
 from .axes import Axes
 from .composed import Composed
@@ -22,5 +23,5 @@ from .visiting import VisitedInOrder
 from .wide import Extended
 
 FIRST = (Responses(), Standing(), Thermal())      # before bounds of the Hessian are found
-PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
+PARTS = (*FIRST, PlainSums(), Tangent(), Torques(), ByRows(), FewInLanes(), TracersInLanes(), SingleSphere(), LoneMotion(), MembersInLanes(), Composed(), Axes(), Sublattices(), PairsOfSites(), PairsByRows(),
          Extended(), GradientsInLanes(), SiteNumbers(), VisitedInOrder(), Ensemble(), Distributed())
