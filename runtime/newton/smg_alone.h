@@ -324,17 +324,7 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
   return status;
 }
 
-#if SMG_ALONE_IN_LANES
-#define SMG_ALONE_BLOCK 64 /* sites: bits */
-#include "smg_alone_lanes.h"
-/* Is the n-th site solved with the others of its block? *solved: of that block. */
-static int smg_solved_in_lanes(smg_state *s, smg_real h, int64_t n, uint64_t *solved) {
-  const int64_t left = smg_alone(&s->c) - n;
-  if (n % SMG_ALONE_BLOCK == 0)
-    *solved = smg_solve_block(s, h, smg_alone_site(&s->c, n), left < SMG_ALONE_BLOCK ? left : SMG_ALONE_BLOCK);
-  return *solved >> n % SMG_ALONE_BLOCK & 1;
-}
-#else
+#if !SMG_ALONE_IN_LANES
 #define smg_solved_in_lanes(s, h, n, solved) ((void)(solved), 0)
 #endif
 

@@ -32,7 +32,7 @@ MADE_FOR = {"rows": r"test_row(s|_wave|_blocks)|statuses", "method": r"test_(com
                 ("dormand field_", r"test_(dormand_prince|field_rows)"), ("respond own_response", r"test_(response|damping|torque)"),
                 ("thermal random", r"test_noise"), ("parameters set_state", r"test_(parameters|set_state|shared_model)"), ("outputs", r"test_nearness|outputs"),
                 ("extrapolation right_side", r"test_(extrapolation|dop853)"), ("lane_batch lane_sphere lane_dop853 lane_extrapolation tableau_template dop853_template", r"test_ensemble"), ("lengths", r"test_lengths|comparators")) for word in words.split()},
-            "runtime/lattice/smg_row": r"test_row(s|_wave)", "runtime/lattice/smg_row_tangent.h": r"test_rows_tangent", "runtime/lattice/smg_few": r"test_few", "runtime/newton/smg_rest": r"test_(rows|few|gauss_rows)",
+            "runtime/lattice/smg_row": r"test_row(s|_wave)", "runtime/lattice/smg_row_tangent.h": r"test_rows_tangent", "runtime/lattice/smg_few": r"test_few", "runtime/lattice/smg_alone": r"test_tracers_in_lanes", "runtime/newton/smg_rest": r"test_(rows|few|gauss_rows)",
             "runtime/core/smg_fixed": r"test_(comparators|gauss)", "runtime/newton/smg_matrix": r"band|sparse|dense|newton|krylov",
             "runtime/newton/smg_krylov": r"krylov", "runtime/newton/smg_predictor": r"effort|few|predict", "runtime/members/smg_ensemble": r"test_ensemble",
             "runtime/core/smg_lane": r"test_(lanes|rows|few|gauss)",

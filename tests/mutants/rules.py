@@ -199,6 +199,7 @@ IN_ROWS = (
 
 # Few sites and ensembles in lanes: what belongs to which lane, which terms a site feels, and what is left to Newton or to the state alone.
 FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_few_step.h", "runtime/members/smg_lane_sphere.h"
+ALONE_LANES = "runtime/lattice/smg_alone_lanes.h"
 LANE_STEPS, CONTROL = "runtime/members/smg_lane_dop853.h", "runtime/method/explicit/smg_dop853_template.h"
 LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
 IN_LANES = (
@@ -208,8 +209,12 @@ IN_LANES = (
     (FEW_STEP, r"rate = 2 \* smg_lane_take", r"rate = smg_lane_take"),
     (FEW_STEP, r"smg_lane_take\(a \+ SMG_FEW_RADIUS \* pitch \+ i\) / square \* smg_lane_sqrt", r"1 / square * smg_lane_sqrt"),
     (FEW_STEP, r"smg_lane_cross\(u, m, smg_lane_respond\(told, m, g, room\)\)", r"smg_lane_cross(u, smg_lane_respond(told, m, g, room), m)"),
-    (FEW_STEP, r"s->few\[\(SMG_FEW_U \+ q\) \* pitch \+ k\]", r"s->few[SMG_FEW_U * pitch + k]"),
+    (FEW_STEP, r"b->a\[\(SMG_FEW_U \+ q\) \* b->pitch \+ k\]", r"b->a[SMG_FEW_U * b->pitch + k]"),
     ("gen/compile/assemble/few.py", r'For\("j", i \+ Index\("SMG_LANES"\), n', r'For("j", i, n'),
+    (ALONE_LANES, r"served \|= \(uint64_t\)1 << \(i \+ l\)", r"served |= ~(uint64_t)0"),
+    (ALONE_LANES, r"smg_alone_site\(&s->c, n\), left", r"smg_alone_site(\&s->c, 0), left"),
+    ("gen/compile/assemble/alone_lanes.py", r"ONE, 3 \* model\.site\(slot\)", r"ONE, model.site(slot)"),
+    ("gen/compile/assemble/alone_lanes.py", r"alike = not any\(", r"alike = all("),
     (LANE_BATCH, r"smg_lane_insert\(g->compensation, l, s->compensation, 3\);", r""),
     (LANE_SPHERE, r"s->rows \+ 4 \* s->row, newest", r"s->rows, newest"),
     (LANE_BATCH, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),

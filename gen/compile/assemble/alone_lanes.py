@@ -1,4 +1,4 @@
-"""Tracers in lanes, a site in each: their field at the midpoints of the sites that carry them (runtime/newton/smg_alone_lanes.h).
+"""Tracers in lanes, a site in each: their field at the midpoints of the sites that carry them (runtime/lattice/smg_alone_lanes.h).
 
 They serve one family of spheres whose sites are all alike: no formula has the number of a tracer.
 """

@@ -26,6 +26,9 @@
 #include "smg_few_step.h"
 #endif
 #endif
+#if SMG_ALONE_IN_LANES
+#include "smg_alone_lanes.h"
+#endif
 #if SMG_HAS_ALONE
 #include "smg_alone.h"
 #endif

@@ -9,6 +9,8 @@
 
 #include "smg_few_step.h"
 
+#define SMG_ALONE_BLOCK 64 /* sites: as many as there are bits */
+
 /* Which sites of a block serve, as bits: those of the others no longer move. */
 static uint64_t smg_alone_served(const smg_state *s, const smg_few_sites *b) {
   const smg_told told = smg_told_of(&s->c, b->first);
@@ -37,6 +39,14 @@ static uint64_t smg_solve_block(smg_state *s, smg_real h, int64_t first, int64_t
   if (!(rows > 0 && smg_few_solved(s, &b, rows))) return 0;
   smg_few_leave(s, &b);
   return served;
+}
+
+/* Is the n-th site solved with the others of its block? *solved: of that block. */
+static int smg_solved_in_lanes(smg_state *s, smg_real h, int64_t n, uint64_t *solved) {
+  const int64_t left = smg_alone(&s->c) - n;
+  if (n % SMG_ALONE_BLOCK == 0)
+    *solved = smg_solve_block(s, h, smg_alone_site(&s->c, n), left < SMG_ALONE_BLOCK ? left : SMG_ALONE_BLOCK);
+  return *solved >> n % SMG_ALONE_BLOCK & 1;
 }
 
 #endif
