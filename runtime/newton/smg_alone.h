@@ -324,8 +324,11 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
   return status;
 }
 
-#if !SMG_ALONE_IN_LANES
-#define smg_solved_in_lanes(s, h, n, solved) ((void)(solved), 0)
+/* Is the n-th site solved already, with others (smg_alone_lanes.h)? */
+#if SMG_ALONE_IN_LANES
+#define SMG_SOLVED_ALREADY(s, h, n, solved) smg_solved_in_lanes(s, h, n, solved)
+#else
+#define SMG_SOLVED_ALREADY(s, h, n, solved) ((void)(solved), 0)
 #endif
 
 /* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
@@ -336,7 +339,7 @@ static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status statu
   uint64_t solved = 0;
   int64_t n = 0;
   for (; n < smg_alone(&s->c) && status == SMG_OK; ++n) {
-    if (!smg_solved_in_lanes(s, h, n, &solved)) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n));
+    if (!SMG_SOLVED_ALREADY(s, h, n, &solved)) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n));
     iterations = s->report.iterations > iterations ? s->report.iterations : iterations;
     smg_take(&residual, s->report.residual);
   }
