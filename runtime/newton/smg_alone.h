@@ -331,6 +331,11 @@ SMG_COLD static smg_status smg_first_end(smg_state *s, smg_real h, int64_t n, sm
 #define SMG_SOLVED_ALREADY(s, h, n, solved) ((void)(solved), 0)
 #endif
 
+static inline void smg_take_report(const smg_state *s, int *iterations, smg_real *residual) {
+  *iterations = s->report.iterations > *iterations ? s->report.iterations : *iterations;
+  smg_take(residual, s->report.residual);
+}
+
 /* Each site alone: tracers in the field of the midpoints that the step of the others found, so after them; the rest
  * whether or not the others have a step. The report has the most iterations, and the largest residual, of any site. */
 static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status status) {
@@ -339,9 +344,11 @@ static smg_status smg_solve_all_alone(smg_state *s, smg_real h, smg_status statu
   uint64_t solved = 0;
   int64_t n = 0;
   for (; n < smg_alone(&s->c) && status == SMG_OK; ++n) {
-    if (!SMG_SOLVED_ALREADY(s, h, n, &solved)) status = smg_solve_alone(s, h, smg_alone_site(&s->c, n));
-    iterations = s->report.iterations > iterations ? s->report.iterations : iterations;
-    smg_take(&residual, s->report.residual);
+    const int already = SMG_SOLVED_ALREADY(s, h, n, &solved);
+    if (SMG_ALONE_IN_LANES) smg_take_report(s, &iterations, &residual); /* of a block */
+    if (already) continue;
+    status = smg_solve_alone(s, h, smg_alone_site(&s->c, n));
+    smg_take_report(s, &iterations, &residual);
   }
   if (status != SMG_OK) return smg_first_end(s, h, n, status);
   s->report.iterations = iterations;
