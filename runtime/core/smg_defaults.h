@@ -10,6 +10,9 @@
 #ifndef SMG_HAS_COUPLED
 #define SMG_HAS_COUPLED 0
 #endif
+#ifndef SMG_ALONE_IN_LANES
+#define SMG_ALONE_IN_LANES 0
+#endif
 #ifndef SMG_HAS_ALONE
 #define SMG_HAS_ALONE 0
 #endif
