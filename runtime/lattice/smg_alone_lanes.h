@@ -22,7 +22,7 @@ static uint64_t smg_alone_served(const smg_state *s, const smg_few_sites *b) {
     smg_few_norms_at(s, b, i, g);
     smg_few_rows(&told, b->a, b->pitch, i, b->sites - i, g, g[3], &found);
     for (int l = 0; l < SMG_LANES && i + l < b->sites; ++l)
-      if (smg_lane_get(&found.row, l) <= SMG_CONTRACTS && smg_lane_get(&found.products, l) <= s->scale * s->scale)
+      if (smg_contracts(smg_lane_get(&found.row, l)) && smg_lane_get(&found.products, l) <= s->scale * s->scale)
         served |= (uint64_t)1 << (i + l);
       else b->a[SMG_FEW_HALF * b->pitch + i + l] = 0;
   }

@@ -10,7 +10,9 @@
  * (smg_end_site of smg_sweep.h). Newton takes the step instead if such a bound is above SMG_CONTRACTS, or if it is
  * above SMG_SLOWED and the changes did not shrink by more than that factor: true changes might then shrink as slowly
  * as those that smg_rest.h takes for round-off. Newton also takes it if the increments are longer than the largest
- * component of the state. */
+ * component of the state.
+ *
+ * Tracers, which feel the sites that carry them in place of each other, take it in blocks (smg_alone_lanes.h). */
 #ifndef SMG_FEW_STEP_H
 #define SMG_FEW_STEP_H
 

@@ -38,7 +38,7 @@ def serves(t, k: int) -> bool:
 def alone_functions(model) -> list:
     family = model.alone_in_lanes
     kernels = [in_lanes(f) for t, k in model.roles(family.name) for f in t.functions if f.name in (f"{t.prefix}_gradient", f"{t.prefix}_hessian_{k}{k}")]
-    change = (ARGUMENTS[0], ARGUMENTS[1], ARGUMENTS[2], ARGUMENTS[3], Argument("const smg_lanes *", "d"), Argument(OUT, "y"))
+    change = (*ARGUMENTS[:4], Argument("const smg_lanes *", "d"), Argument(OUT, "y"))
     return [*dict.fromkeys(kernels), Function("void", "smg_alone_field", ARGUMENTS, gathered(model, family.name, gradient_calls), target="lanes", wanted=True),
             Function("void", "smg_alone_change", change, gathered(model, family.name, change_calls), target="lanes", wanted=True)]
 
