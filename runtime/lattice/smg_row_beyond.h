@@ -106,7 +106,9 @@ static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved)
   path.found = found;
   path.solved = solved;
   smg_rows_copy(s, found, s->row_m);
-  if (!smg_follow_rows(s, h, a, &path)) return 0;
+  a->left = SMG_PATH_SWEEPS * SMG_COLOURS;
+  for (a->relax = solved ? 1 : SMG_RELAXED; !smg_follow_rows(s, h, a, &path); a->relax = SMG_RELAXED)
+    if (a->relax < 1) return 0;
   const int found_there = smg_missed(s, &path, found) <= SMG_STRAIGHT;
   if (solved && found_there) return 1;
   if (found_there) smg_rows_copy(s, s->row_m, found); /* slow sweeps continue where they stopped */
@@ -114,23 +116,16 @@ static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved)
   return smg_solve_beyond(s, a) && smg_missed(s, &path, s->row_m) <= SMG_STRAIGHT;
 }
 
-/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton, and the next SMG_NEWTON_STEPS steps
- * with it. */
+/* Sweeps, while they settle soon; SMG_NO_CONVERGENCE leaves the step to Newton. */
 static smg_status smg_sweeps(smg_state *s, smg_real h) {
   smg_beyond a;
-  if (s->newton_steps > 0) {
-    --s->newton_steps;
-    return SMG_NO_CONVERGENCE;
-  }
   smg_begin_beyond(s, h, &a);
   const int solved = smg_solve_beyond(s, &a);
-  s->report.iterations = (int)(a.sweep.passes / SMG_COLOURS);
-  if ((solved && smg_shown_by_rows(s, &a)) || smg_solve_at_end(s, h, &a, solved)) {
-    smg_increments_to_sites(s);
-    return SMG_OK;
-  }
-  s->newton_steps = SMG_NEWTON_STEPS;
-  return SMG_NO_CONVERGENCE;
+  const int there = (solved && smg_shown_by_rows(s, &a)) || smg_solve_at_end(s, h, &a, solved);
+  s->report.iterations = (int)(a.passes / SMG_COLOURS);
+  if (!there) return SMG_NO_CONVERGENCE;
+  smg_increments_to_sites(s);
+  return SMG_OK;
 }
 
 #endif

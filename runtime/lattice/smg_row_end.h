@@ -16,7 +16,7 @@ typedef struct smg_turning {
   smg_real *m, *u;
   int64_t pitch, u_pitch;
   smg_inverses inverses;
-  smg_real half, small, weakest;
+  smg_real half, small, weakest, relax;
   int weak, flat, stretched; /* are fields so weak that midpoints are near spins? may 1 - |g|^2 be small? are there such
                                 increments? */
   smg_told told;
@@ -55,6 +55,7 @@ static inline smg_turning smg_turning_of(const smg_state *s, smg_real h) {
     half,
     SMG_SMALL_PART * smg_at_all_sites(&s->c, smg_radius),
     s->row_stretched ? 1 / (36 * half * half) : SMG_MAX,
+    1,
     s->row_weak,
     s->row_flat,
     s->row_stretched,

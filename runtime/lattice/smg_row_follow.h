@@ -10,14 +10,14 @@
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 200 /* of all paces, before Newton takes over: they take as long as some 25 of its iterations */
+#define SMG_PATH_SWEEPS 600 /* of all paces, before Newton takes over: they take as long as some 60 of its iterations */
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
 #define SMG_PATH_SMALLER (smg_real)0.8
 /* the longest pace, in radii; the shortest, a part of h; the first, a part of what is certain */
 #define SMG_PATH_FAR (smg_real)0.5
-#define SMG_PATH_SHORTEST (smg_real)2e-4
+#define SMG_PATH_SHORTEST (smg_real)1e-6
 #define SMG_PATH_FIRST (smg_real)0.5
 /* parts of a pace: how far the sweeps that are left out would move midpoints; how far sweeps should move them */
 #define SMG_PATH_LEFT (smg_real)0.01
@@ -130,7 +130,6 @@ static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path 
   for (int j = 0; j <= SMG_PATH_POINTS; ++j) path->m[j] = smg_place_slots(&next, size);
   path->known = 0;
   path->pace = 0;
-  a->left = SMG_PATH_SWEEPS * SMG_COLOURS;
   smg_rows_copy(s, s->row_m, s->row_w);
   smg_keep_point(s, path, 0);
   for (int k = 3; k <= 4; ++k) {
@@ -139,8 +138,7 @@ static int smg_begin_path(smg_state *s, smg_real h, smg_beyond *a, smg_row_path 
     smg_turn_beyond(s, part * h, a);
     if (!smg_settle_beyond(s, a, SMG_PATH_ROUGH * s->scale)) return 0;
     path->pace = smg_rows_apart(s, s->row_m, path->m[0]); /* much shorter if spins are slow */
-    if (!smg_near_rest(&a->sweep.whole, SMG_PATH_LEFT * path->pace) &&
-        !smg_settle_beyond(s, a, SMG_PATH_LEFT * path->pace))
+    if (!(smg_left_beyond(a) <= SMG_PATH_LEFT * path->pace) && !smg_settle_beyond(s, a, SMG_PATH_LEFT * path->pace))
       return 0;
     smg_keep_point(s, path, part);
   }

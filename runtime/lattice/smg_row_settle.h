@@ -6,23 +6,35 @@
 #include "smg_swept.h"
 
 #define SMG_BEYOND_SWEEPS 120 /* before the branch is followed */
+/* sweeps after which it is asked whether so many will be enough */
+#define SMG_BEYOND_PATIENCE 20
+/* Of a change of midpoints, the part by which a relaxed sweep moves them. Sweeps whose errors change sign, or turn,
+ * from one to the next need fewer of these, and converge with them where the others do not: an eigenvalue l of a sweep
+ * over two colours becomes p with (p + o - 1)^2 = o^2 l p (Young, Trans. Amer. Math. Soc. 76, 1954), l = -1 two of the
+ * size 0.2. Behind a fold, where l > 1, p > 1 too. */
+#define SMG_RELAXED (smg_real)0.8
+/* of the largest ratio of two changes, what counts in the next pass */
+#define SMG_FADING (smg_real)0.9
 
-/* The sweeps of a step: what stands beside the sites; passes that are left; did a change grow? how far a sweep may move
- * midpoints; |h/2kappa| r gain/s, the largest. */
+/* The sweeps of a step: what stands beside the sites; passes done, and those that are left; did a change grow? how far
+ * a sweep may move midpoints; |h/2kappa| r gain/s, the largest; the ratio of a change of a colour to the one before,
+ * the largest of late; a change of early sweeps; by what part of a change sweeps move midpoints. */
 typedef struct smg_beyond {
   smg_besides known;
   smg_turning turn;
   smg_row_sweeping sweep;
-  int64_t left;
+  int64_t passes, left;
   int grew;
-  smg_real most, slope;
+  smg_real most, slope, ratio, early, relax;
 } smg_beyond;
 
 /* Sweeps with h begin. */
 static void smg_turn_beyond(const smg_state *s, smg_real h, smg_beyond *a) {
   a->turn = smg_turning_of(s, h);
+  a->turn.relax = a->relax;
   a->grew = 0;
   a->most = SMG_MAX;
+  a->ratio = 0;
   smg_begin_sweeping(&a->sweep);
 }
 
@@ -38,14 +50,40 @@ static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
   smg_copy(s->row_m - SMG_BEFORE, s->row_w - SMG_BEFORE, smg_array_size(&s->c));
   smg_to_slots(s, s->m, s->row_m);
   s->row_alone = 0; /* increments are found at the end alone */
+  a->passes = 0;
   a->left = SMG_BEYOND_SWEEPS * SMG_COLOURS;
   a->slope = 0;
+  a->relax = 1;
   smg_turn_beyond(s, h, a);
 }
 
-/* Will sweeps move midpoints by no more than that any more? */
-static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
-  return goal > 0 && rest->rate * rest->now <= goal * (1 - rest->rate);
+/* The next pass. */
+static void smg_pass_beyond(smg_state *s, smg_beyond *a) {
+  smg_row_sweeping *sweep = &a->sweep;
+  const smg_row_pass pass = smg_next_pass(s, sweep);
+  const smg_real before = sweep->recent[pass.colour];
+  const smg_row_motion moved = smg_turn_colour(s, &a->known, &a->turn, pass);
+  smg_take_pass(s, pass, &moved, sweep);
+  ++a->passes;
+  --a->left;
+  a->ratio = smg_max(SMG_FADING * a->ratio, sweep->recent[pass.colour] / before);
+}
+
+/* How far sweeps will still move midpoints; SMG_MAX where that is not known yet. */
+static inline smg_real smg_left_beyond(const smg_beyond *a) {
+  if (a->sweep.passes < 2 * SMG_COLOURS || a->ratio >= 1) return SMG_MAX;
+  return a->ratio * a->sweep.whole.now / (1 - a->ratio);
+}
+
+/* Are the passes that are left too few for sweeps to come to rest? By what the second half of the first ones does. */
+static int smg_late_beyond(const smg_state *s, smg_beyond *a) {
+  const int64_t few = SMG_BEYOND_PATIENCE * SMG_COLOURS;
+  smg_real left = a->sweep.whole.now;
+  if (a->sweep.passes == few / 2) a->early = left;
+  if (a->sweep.passes != few) return 0;
+  const smg_real ratio = left / a->early;
+  for (int64_t n = a->left; n > 0 && left > SMG_EPS * s->scale; n -= few / 2) left *= ratio;
+  return left > SMG_EPS * s->scale;
 }
 
 /* Sweeps to rest, or until they are as near to it as `goal`; 0 if they do not get there, or if a sweep moves midpoints
@@ -54,14 +92,13 @@ static inline int smg_near_rest(const smg_rest *rest, smg_real goal) {
 static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
   smg_row_sweeping *sweep = &a->sweep;
   do {
-    const smg_row_pass pass = smg_next_pass(s, sweep);
     const smg_real before = sweep->whole.now;
-    const smg_row_motion moved = smg_turn_colour(s, &a->known, &a->turn, pass);
-    smg_take_pass(s, pass, &moved, sweep);
+    smg_pass_beyond(s, a);
     if (sweep->passes > 2 * SMG_COLOURS && sweep->whole.now > before && sweep->whole.now > SMG_NEARLY * s->scale)
       a->grew = 1;
-    if ((sweep->passes >= SMG_COLOURS && !(sweep->whole.now <= a->most)) || --a->left < 0) return 0;
-  } while (sweep->passes < SMG_COLOURS || !(smg_near_rest(&sweep->whole, goal) || smg_rows_settled(s, sweep)));
+    if (a->left < 0 || (sweep->passes >= SMG_COLOURS && !(sweep->whole.now <= a->most))) return 0;
+    if (smg_late_beyond(s, a)) return 0;
+  } while (sweep->passes < SMG_COLOURS || !(smg_left_beyond(a) <= goal || smg_rows_settled(s, sweep)));
   return 1;
 }
 

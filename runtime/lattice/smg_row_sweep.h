@@ -106,6 +106,13 @@ SMG_INLINE void smg_aim_slots(const smg_turning turn, int64_t slot, enum smg_row
   smg_lane_copy(g, v, 3);
 }
 
+/* Midpoints v of those slots are moved back towards m, where they were before. */
+SMG_INLINE void smg_relax_slots(const smg_turning turn, int64_t slot, const smg_lanes *m, smg_lanes *v) {
+  smg_lane_scale(v, smg_lane_of(turn.relax), 3);
+  smg_lane_axpy(v, smg_lane_of(1 - turn.relax), m, 3);
+  smg_lane_stretch_to(smg_inverse_at(turn.inverses, slot), 0, v);
+}
+
 /* m = r v/|v| of those slots, `in` of them sites of the piece, from v and their gradient b. watched: is it to be known
  * how far they move? small: small components too? last: are increments found? */
 SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in, smg_lanes *v, const smg_lanes *b,
@@ -113,6 +120,7 @@ SMG_INLINE void smg_turn_slots(const smg_turning turn, int64_t slot, int64_t in,
   smg_lanes m[3], d[3];
   smg_take_slots(turn.m, turn.pitch, slot, m);
   if (SMG_ONTO_LEAF) smg_lane_stretch_to(smg_inverse_at(turn.inverses, slot), turn.weak, v);
+  if (SMG_HAS_COUPLED && turn.relax < 1) smg_relax_slots(turn, slot, m, v);
   if (in < SMG_LANES) smg_lane_choose(v, smg_lane_below(in), v, m, 3);
   smg_put_slots(turn.m, turn.pitch, slot, v);
   if (!watched) return;

@@ -2,10 +2,11 @@
 import numpy as np
 import pytest
 import smidgen
+from support.filters import feed, make  # noqa: F401
 from support.runtime_faults import Fault, plant
 
 # steps that follow their branch report a thousand iterations more
-FOLLOWED = (("smg_row_follow.h", "  if (!smg_begin_path(s, h, a, path)) return 0;", "  s->report.iterations += 1000;\n  if (!smg_begin_path(s, h, a, path)) return 0;"),)
+FOLLOWED = (("smg_row_follow.h", "  if (!smg_begin_path(s, h, a, path)) return 0;", "  a->passes += 1000 * SMG_COLOURS;\n  if (!smg_begin_path(s, h, a, path)) return 0;"),)
 TEXT = """
 [model]
 name = "beyond"
@@ -22,7 +23,7 @@ random = 3
 GENEROUS = Fault("", "smg_row_state.h", "#define SMG_ROW_SHOWN (smg_real)0.95", "#define SMG_ROW_SHOWN (smg_real)(1.3 * 0.95)", (), more=FOLLOWED)
 PLAIN = Fault("", *FOLLOWED[0], ())
 # and those that are swept again at the end of it, ten thousand
-AGAIN = Fault("", "smg_row_beyond.h", "  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", "  s->report.iterations += 10000;\n  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", (), more=FOLLOWED)
+AGAIN = Fault("", "smg_row_beyond.h", "  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", "  a->passes += 10000 * SMG_COLOURS;\n  smg_turn_beyond(s, h, a);\n  return smg_solve_beyond", (), more=FOLLOWED)
 
 
 def neighbours():
@@ -91,28 +92,36 @@ n = 8
 over = "bond(i, j) of cubic(n, n, n, periodic)"
 energy = "-dot(w[i], w[j])"
 """
-SHORT = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 200", "#define SMG_PATH_SWEEPS 40", ())
+SHORT = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 600", "#define SMG_PATH_SWEEPS 40", ())
+UNRELAXED = Fault("", "smg_row_settle.h", "#define SMG_RELAXED (smg_real)0.8", "#define SMG_RELAXED (smg_real)0.999", ())
+EAGER = Fault("", "smg_row_settle.h", "  if (a->sweep.passes < 2 * SMG_COLOURS || a->ratio >= 1) return SMG_MAX;", "  if (a->sweep.passes < SMG_COLOURS) return SMG_MAX;", ())
+
+
+def by_rows(model) -> bool:
+    """Newton's method reports its own iterations, at most some twenty."""
+    return model.step().report()["iterations"] > 25
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("fault, by_rows", [(None, True), (SHORT, False)])
-def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(fault, by_rows, monkeypatch, tmp_path):
-    """Newton's method, which would take over otherwise, reports its own iterations, some ten."""
+@pytest.mark.parametrize("h, fault, expected", [(0.673, None, True), (0.673, SHORT, False), (1.05, None, True), (1.05, UNRELAXED, False), (1.05, EAGER, False)])
+def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(h, fault, expected, monkeypatch, tmp_path):
     if fault:
         plant(monkeypatch, tmp_path, fault)
     angle = 2 * np.pi * np.arange(512) / 8
     w = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0 * angle], axis=1) + 0.02 * np.random.default_rng(2).standard_normal((512, 3))
     model = smidgen.build(smidgen.load_text(SPIRAL))
-    one = model.start(w / np.linalg.norm(w, axis=1)[:, None], h=0.673)
-    assert (one.steps(1).report()["iterations"] >= 100) == by_rows
+    assert by_rows(model.start(w / np.linalg.norm(w, axis=1)[:, None], h=h)) == expected
 
 
-STRAY = Fault("", "smg_row_spin.h", "#define SMG_ROW_FLAT (smg_real)1", "#define SMG_ROW_FLAT (smg_real)0", ())
-
-
-@pytest.mark.parametrize("fault, by_rows", [(None, True), (STRAY, False)])
-def test_corrections_do_not_lead_sweeps_astray_near_a_fold(fault, by_rows, monkeypatch, tmp_path):
-    """Where 1 - |g|^2 is small rho is found by its root; without it sweeps end in Newton's method."""
-    plant(monkeypatch, tmp_path, fault)
-    one = smidgen.build(smidgen.load_text(SPIRAL + "[starts.s]\nrandom = 1\n")).start("s", h=0.4645).steps(1)
-    assert (min(one.steps(1).report()["iterations"] for _ in range(8)) > 25) == by_rows
+@pytest.mark.parametrize("flat", [True, False])
+def test_where_the_slope_is_small_rho_is_found_by_its_root(flat, make):
+    """rho^2 solves x^2 + (k - 1) x - d^2 = 0, k = |g|^2, d = g.w; a correction from a rho with 2 (2x + k - 1) < 1 may lead anywhere."""
+    rng = np.random.default_rng(5)
+    w, g = (v / np.linalg.norm(v, axis=1)[:, None] for v in rng.standard_normal((2, 400, 3)))
+    g *= rng.uniform(0.5, 1.3, 400)[:, None]
+    before = rng.uniform(0.05, 1, 400)
+    found = feed(make("gcc-sanitized", "rho"), [flat, 400], np.column_stack([w, g, before, 0 * w[:, :2]]))
+    below, d = 1 - (g * g).sum(axis=1), (g * w).sum(axis=1)
+    exact = np.sqrt((below + np.hypot(below, 2 * d)) / 2)
+    steep = 4 * before**2 - 2 * below < 1
+    assert 100 < steep.sum() < 300 and (np.abs(found - exact)[steep] < 1e-12).all() == flat
