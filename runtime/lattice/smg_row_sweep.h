@@ -163,7 +163,7 @@ SMG_INLINE void smg_turn_vectors(const smg_turning turn, const smg_piece *piece,
 }
 
 /* Sites that a row has at least where its last one is turned twice: in shorter ones this takes longer than it saves. */
-#define SMG_ROW_ENDS 8
+#define SMG_ROW_ENDS 12
 /* Once more the last sites of those rows of a run that meet the first ones across a seam, in the field of what these
  * are by now; not in the last passes, which move those by round-off. */
 SMG_INLINE void smg_turn_ends(const smg_coefficients *c, const smg_turning turn, smg_run run, smg_piece *piece,

@@ -66,7 +66,7 @@ typedef struct smg_curve {
   const smg_real *w;           /* where it begins */
   smg_real scale;              /* the unit of y */
   smg_real *y, *t, *a, *c, *x; /* the point, its tangent, and room for the next: 5 n numbers from y on */
-  smg_real slope;              /* dq/ds over the pace before */
+  smg_real slope, left;        /* dq/ds over the pace before; the last correction of the last point */
   smg_real p, q, span;         /* part of h, its tangent, and how many natural steps h has: p counts in them */
   smg_real reached;            /* the part of h up to which it has a solution: the whole, or up to its first fold */
   int sign;                    /* of det J; 0 where it is not known */
@@ -90,7 +90,7 @@ static inline void smg_begin_curve(smg_curve *f, void *of,
   f->a = room + 2 * n;
   f->c = room + 3 * n;
   f->x = room + 4 * n;
-  f->p = f->reached = f->slope = 0;
+  f->p = f->reached = f->slope = f->left = 0;
   f->site = f->partner = -1;
   f->q = 1;
   smg_copy(f->y, w, n);
@@ -119,7 +119,7 @@ static inline smg_real smg_curve_turn(smg_curve *f) {
 
 /* Newton from (x, p) across the tangent, or at this p when `fixed`; returns the iterations, 0 when they fail. */
 static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, int fixed) {
-  smg_real last = pace * SMG_STRAIGHT;
+  smg_real last = smg_max(pace * SMG_STRAIGHT, f->left); /* a pace may be shorter than the last point is off */
   for (int it = 1; it <= SMG_MAX_CORRECTIONS; ++it) {
     if (f->newton(f->of, *p, f->x, f->a, f->c, &f->sign) != SMG_OK) return 0;
     smg_real ta = 0, tc = f->q, tt = 0, size = 0;
@@ -140,8 +140,10 @@ static inline int smg_curve_correct(smg_curve *f, smg_real *p, smg_real pace, in
     if (!(moved <= last)) return 0; /* too far for one curve, or not a number */
     /* of y alone, where p runs far */
     if (it == 1 && SMG_MATH(sqrt)(size) > pace * SMG_STRAIGHT * SMG_MATH(sqrt)(tt) + SMG_ALONE) return 0;
-    if (moved <= (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST_PACE)))) return it;
     last = moved * SMG_STRAIGHT;
+    if (moved > (fixed ? SMG_ON_END : smg_min(SMG_ON_CURVE, smg_max(pace / 10, SMG_LEAST_PACE)))) continue;
+    f->left = moved;
+    return it;
   }
   return 0;
 }
@@ -164,6 +166,7 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   const int landing = rate > 0 && f->p + pace * rate >= 1;
   const smg_real s = landing ? (1 - f->p) / rate : pace;
   smg_real p = landing ? 1 : f->p + s * rate;
+  const smg_real left = f->left;
   for (int64_t k = 0; k < f->n; ++k) f->x[k] = f->y[k] + s * f->t[k] * smg_curve_scale(f, k);
   const int its = smg_curve_correct(f, &p, s, landing);
   if (its == 0) return 0;
@@ -174,6 +177,7 @@ static inline int smg_curve_pace(smg_curve *f, smg_real pace) {
   if (!(smg_curve_turn(f) >= SMG_ALONG) || (f->sign != 0 && (f->sign < 0) != (f->q < 0)) || smg_curve_dips(f, q, s)) {
     smg_copy(f->t, f->a, f->n);
     f->q = q;
+    f->left = left;
     return 0;
   }
   smg_copy(f->y, f->x, f->n);

@@ -18,3 +18,15 @@ def test_a_step_beyond_the_end_is_seen(monkeypatch, tmp_path):
     (tmp_path / "program").mkdir()
     numbers, violations = run("odd_ring", tmp_path / "program", 1, 0, 24)
     assert numbers["accepted"] > 0 and any("accepted" in line for line in violations)
+
+
+NOT_OFF = Fault("", "smg_follow.h", "smg_max(pace * SMG_STRAIGHT, f->left)", "pace * SMG_STRAIGHT + 0 * f->left", ())
+
+
+@pytest.mark.parametrize("fault, refused", [(None, 0), (NOT_OFF, 1)])
+def test_the_end_may_be_nearer_than_the_last_point_is_to_the_curve(fault, refused, monkeypatch, tmp_path):
+    """A midpoint is near the centre of its sphere there, and a correction leaves as much as the pace is long."""
+    if fault:
+        plant(monkeypatch, tmp_path, fault)
+    (tmp_path / "program").mkdir()
+    assert run("odd_ring", tmp_path / "program", 11, 103, 1)[0]["refused"] == refused
