@@ -53,21 +53,13 @@ static int smg_find_blocks(const smg_coefficients *c, smg_blocks *b) {
   return 0;
 }
 
-/* Is there room for the table? Midpoints have up to 156 bytes a spin without it where there are two colours, 160 where
- * there are more, and 160 are enough. */
-#if SMG_ROW_TURNS
-#define SMG_ROOM_FOR_BESIDE 1
-#else
-#define SMG_ROOM_FOR_BESIDE (SMG_COLOURS == 2 && SMG_BESIDES <= 8)
-#endif
-
 /* Does the lattice stand in blocks? Where it is small, has no empty slots, and is not shared by ranks. */
 static int smg_in_blocks(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED smg_blocks *b) {
 #if defined(SMG_MPI)
   return 0;
 #else
-  return SMG_BLOCKS && SMG_ROOM_FOR_BESIDE && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO &&
-         !smg_meet_at_seam(c) && smg_find_blocks(c, b);
+  return SMG_BLOCKS && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_meet_at_seam(c) &&
+         smg_find_blocks(c, b);
 #endif
 }
 

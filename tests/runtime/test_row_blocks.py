@@ -25,6 +25,11 @@ size = ["n", 4, 2, 6]
 boundary = "periodic"
 bonds.all = [{ from = 0, to = 0, offset = [1, 0, 0, 0] }, { from = 0, to = 0, offset = [0, 1, 0, 0] }, { from = 0, to = 0, offset = [0, 0, 1, 0] }, { from = 0, to = 0, offset = [0, 0, 0, 1] }]
 """
+NEAR = """[lattices.near]
+size = ["n", 12, 12]
+boundary = "periodic"
+bonds.all = [%s]
+""" % ", ".join(f"{{ from = 0, to = 0, offset = {list(o)} }}" for o in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1), (0, 1, -1)))
 # Each with the blocks along its directions, and how far along the first of them the next ones begin.
 SPECS = {
     "ring": (lattice("ring", "chain(n, periodic)", 48, "n", EXCHANGE + DM), (8, 1, 1, 1), (0, 0, 0, 0)),
@@ -35,15 +40,15 @@ SPECS = {
     "stacked": (lattice("stacked_up", "stacked.all", 16, "8*n", EXCHANGE + DM, STACKED), (4, 2, 1, 1), (0, 0, 0, 0)),
     "unlike": (lattice("unlike_places", "unlike.all", 16, "8*n", EXCHANGE + DM, UNLIKE), (4, 2, 1, 1), (0, 0, 0, 0)),
     "three colours": (lattice("further", "chain(n, periodic, 2)", 96, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")), (8, 1, 1, 1), (0, 0, 0, 0)),
+    "eighteen neighbours": (lattice("far", "near.all", 12, "144*n", EXCHANGE.replace("0.7", "0.2"), NEAR), (2, 4, 1, 1), (0, 0, 0, 0)),
     "four directions": (lattice("directions", "four.all", 8, "48*n", EXCHANGE.replace("0.7", "0.3"), FOUR), (4, 2, 1, 1), (0, 0, 0, 0)),
 }
-# No lattice for them: a direction that is open, 500 sites of a colour in vectors of eight, rows of 66 sites that begin where a vector does, no room for the table,
-# a ring that closes sites of one colour upon each other, and so many cells.
+# No lattice for them: a direction that is open, 500 sites of a colour in vectors of eight, rows of 66 sites that begin where a vector does, a ring
+# that closes sites of one colour upon each other, and so many cells.
 WITHOUT = {
     "open": lattice("open_square", "square(n, 8, open)", 10, "8*n", EXCHANGE),
     "half a vector": lattice("halves", "cubic(n, n, n, periodic)", 10, "n*n*n", EXCHANGE),
     "empty slots": lattice("emptied", "square(n, 8, periodic)", 132, "8*n", EXCHANGE),
-    "three colours": SPECS["three colours"][0],
     "at the seam": lattice("seam", "square(16, n, periodic)", 7, "16*n", EXCHANGE),
     "at the seam of the fourth direction": lattice("sewn", "four.all", 8, "40*n", EXCHANGE, FOUR.replace("6]", "5]")),
     "large": lattice("extensive", "square(n, 640, periodic)", 640, "640*n", EXCHANGE),
@@ -140,11 +145,10 @@ def bits_agree(main, *words):
     return subprocess.run([main, *words], capture_output=True, text=True)
 
 
-FIRST = (("cubic", 2), ("honeycomb", 8), ("unlike", 4))
-MIDPOINTS = [n for n in SPECS if n != "three colours"]
+FIRST = (("cubic", 2), ("honeycomb", 8), ("unlike", 4), ("eighteen neighbours", 8))
 
 
-@pytest.mark.parametrize("name, lanes", [*FIRST, *(pytest.param(n, lanes, marks=pytest.mark.long) for n in MIDPOINTS for lanes in (1, 2, 4, 8) if (n, lanes) not in FIRST)])
+@pytest.mark.parametrize("name, lanes", [*FIRST, *(pytest.param(n, lanes, marks=pytest.mark.long) for n in SPECS for lanes in (1, 2, 4, 8) if (n, lanes) not in FIRST)])
 def test_blocks_have_the_bits_of_rows(tmp_path, name, lanes):
     spec, parts, shear = SPECS[name]
     main = built(tmp_path, spec, more=(f"-DSMG_LANES={lanes}",))
