@@ -26,10 +26,15 @@
 /* Beside this, slopes of a site at rest are nothing: next to it, 0/0 is 0. */
 #define SMG_LEAST (smg_real) DBL_MIN
 
-/* What a sweep has moved, the largest over its sites and stages, lane by lane: the fields of smg_change. */
+/* What a sweep has moved, the largest over its sites and stages, lane by lane: the fields of smg_change; `absolute`
+ * alone where smg_of_the_whole says so. */
 typedef struct smg_moved {
   smg_lanes relative, absolute, rounding_scale;
 } smg_moved;
+
+/* Is an accuracy asked for? Changes then count next to the whole state. To round-off they count next to the size of
+ * what changes: small sites keep all their digits. */
+SMG_INLINE int smg_of_the_whole(const smg_state *s) { return s->tolerance > 0; }
 
 static void smg_begin_stages(smg_state *s, void *with, int extrapolated);
 static smg_moved smg_sweep_stages(smg_state *s, void *with);
@@ -46,12 +51,13 @@ typedef struct smg_watch {
 /* Takes in what a sweep has moved. The products in the increments count only where they could be larger than the
  * state. */
 SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *watch) {
+  const int whole = smg_of_the_whole(s);
   watch->before = watch->last.absolute;
   watch->last = watch->now;
-  watch->now.relative = smg_lane_largest(moved->relative);
   watch->now.absolute = smg_lane_largest(moved->absolute);
+  watch->now.relative = whole ? watch->now.absolute / (s->scale + SMG_LEAST) : smg_lane_largest(moved->relative);
   watch->size = s->scale;
-  if (!smg_still(watch->now.absolute, s->scale))
+  if (!whole && !smg_still(watch->now.absolute, s->scale))
     watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
 }
 
@@ -114,7 +120,8 @@ static smg_status smg_sweep_to_rest(smg_state *s, void *with) {
     ++s->report.iterations;
     s->report.residual = watch.now.absolute;
     /* beside infinite products every change is small */
-    if (!(watch.now.absolute <= SMG_MAX && smg_lane_largest(moved.rounding_scale) <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (!(watch.now.absolute <= SMG_MAX)) return SMG_NOT_FINITE;
+    if (!smg_of_the_whole(s) && !(smg_lane_largest(moved.rounding_scale) <= SMG_MAX)) return SMG_NOT_FINITE;
     if (smg_stages_settled(s, &watch))
       return smg_more_sweeps(s, with, s->tolerance > 0 ? 0 : 1 + n / 8) ? SMG_OK : SMG_NOT_FINITE;
     if (!smg_sweeps_contract(&watch)) break;

@@ -237,18 +237,34 @@ SMG_LANE_FUNCTION_2(pow)
 #undef SMG_LANE_FUNCTION
 #undef SMG_LANE_FUNCTION_2
 
-/* The largest lane where none is negative, by their bits, which are in their order, infinity and NaN last: without a
- * branch. */
+/* The larger of a and b, and the largest lane, where none is negative, by their bits, which are in their order,
+ * infinity and NaN last: without a branch; of halves, as they are in registers. */
 #if SMG_LANES == 1
 SMG_INLINE smg_real smg_lane_largest(smg_lanes a) { return a; }
+SMG_INLINE smg_lanes smg_lane_more(smg_lanes a, smg_lanes b) { return b > a || b != b ? b : a; }
 #else
+SMG_INLINE smg_lanes smg_lane_more(smg_lanes a, smg_lanes b) {
+  return smg_lane_select((smg_lane_mask)((smg_lane_mask)a > (smg_lane_mask)b), a, b);
+}
+typedef int64_t smg_bits_of_4 __attribute__((vector_size(32), may_alias));
+typedef int64_t smg_bits_of_2 __attribute__((vector_size(16), may_alias));
 SMG_INLINE smg_real smg_lane_largest(smg_lanes a) {
-  const smg_lane_mask bits = (smg_lane_mask)smg_lane_abs(a);
   union {
-    int64_t bits;
+    smg_lane_mask all;
+    smg_bits_of_4 fours[2];
+    smg_bits_of_2 twos[4];
+    int64_t bits[8];
     smg_real number;
-  } most = {bits[0]};
-  for (int l = 1; l < SMG_LANES; ++l) most.bits = bits[l] > most.bits ? bits[l] : most.bits;
+  } most = {(smg_lane_mask)smg_lane_abs(a)};
+#if SMG_LANES > 4
+  const smg_bits_of_4 above_4 = most.fours[0] > most.fours[1];
+  most.fours[0] = (above_4 & most.fours[0]) | (~above_4 & most.fours[1]);
+#endif
+#if SMG_LANES > 2
+  const smg_bits_of_2 above_2 = most.twos[0] > most.twos[1];
+  most.twos[0] = (above_2 & most.twos[0]) | (~above_2 & most.twos[1]);
+#endif
+  most.bits[0] = most.bits[0] > most.bits[1] ? most.bits[0] : most.bits[1];
   return most.number;
 }
 #endif

@@ -108,7 +108,9 @@
  * where the model says it. SMG_COMPOSED: stages of a composition, SMG_STAGES_KEPT: their increments are kept, for the
  * tangent map. SMG_AXES: the components in H, 1, 2, 4; SMG_SEPARATE: no term joins two sites, SMG_ONE_SITE: there is
  * but one. Features: SMG_EXTENDED, SMG_PLAIN_SUMS; SMG_SINGLE_SPHERE: one unit sphere alone, SMG_HAS_MOTION: one of
- * which a method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known. */
+ * which a method asks the field alone; SMG_FEW: the coupled sites are a few, and their number is known;
+ * SMG_FEW_STAGED: of so many sites, or fewer, stages of Gauss collocation are in registers, SMG_ASSUMES_SITES: once
+ * smg_assume_sites has said how many there are. */
 
 /* Before a loop over the coupled sites: each of a few gets a copy of its body, in which its family and its formulas are
  * known. */

@@ -46,6 +46,14 @@
 #define SMG_UNROLL
 #endif
 
+/* Before a loop over sites of which there may be few (SMG_FEW_STAGED): where their number is known, each has its copy
+ * of the body. */
+#if defined(__GNUC__)
+#define SMG_UNROLL_SITES _Pragma("GCC unroll 4")
+#else
+#define SMG_UNROLL_SITES
+#endif
+
 /* A pointer that a loop finds anew each time: else gcc keeps it, and those at distances from it, in more registers than
  * there are. */
 #if defined(__GNUC__)

@@ -270,6 +270,8 @@ IN_METHODS = (
     ("runtime/core/smg_outputs.h", r"count - 1, &done", r"count, &done"),
     ("runtime/core/smg_outputs.h", r"rho < \*o->nearest", r"rho > *o->nearest"),
     ("runtime/core/smg_fixed_point.h", r"if \(!smg_sweeps_contract\(&watch\)\) break;", r""),
+    ("runtime/core/smg_fixed_point.h", r"return s->tolerance > 0;", r"return 1;"),
+    ("runtime/method/gauss/smg_gauss_stages.h", r"smg_lane_more\(", r"smg_lane_smaller("),
     ("runtime/method/gauss/smg_gauss_stages.h", r"smg_kind\(&s->c, k\) == SMG_SPHERE \? smg_radius\(&s->c, k\) : smg_norm", r"smg_norm"),
     ("runtime/method/gauss/smg_gauss_slots.h", r"\(r \+ smg_lane_abs", r"(0 * r + smg_lane_sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + smg_lane_abs"),
 )

@@ -68,6 +68,45 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, method, widths
         assert found[1] == wanted[1] and np.array_equal(found[0], wanted[0])
 
 
+@pytest.mark.parametrize("method, widths", [("gauss-6", (4,)), pytest.param("gauss-16", (2, 4, 8), marks=pytest.mark.long)])
+def test_few_sites_in_registers_have_the_bits_of_one_lane(monkeypatch, method, widths):
+    """Of one to four sites, whose number is known at run time alone, and of five, which are in memory; to round-off and to a tolerance."""
+    spec, given = smidgen.load("point_vortices"), {n: {"n": n, "gamma": np.linspace(1, 0.5, n)} for n in (1, 2, 3, 4, 5)}
+
+    def states(lanes):
+        monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+        for values in given.values():
+            model = smidgen.build(spec, method=method, parameters=values)
+            yield from (model.start("spiral", h=0.4, tolerance=tolerance).steps(9).save() for tolerance in (None, 1e-9))
+
+    wanted = list(states(1))
+    assert len(wanted) == 10 and all(np.array_equal(*both) for lanes in widths for both in zip(wanted, states(lanes), strict=True))
+
+
+UNREAL = """
+[model]
+name = "unreal"
+[space]
+w = {{ sphere = {n} }}
+[effects.root]
+energy = "sqrt(-2 - w[1].x)^3"
+[effects.coupling]
+energy = "dot(w[0], w[2])"
+[starts.a]
+theta = "1 + i/2"
+phi = "i"
+"""
+
+
+@pytest.mark.parametrize("tolerance", [None, 1e-8])
+@pytest.mark.parametrize("n", [3, 6])
+def test_one_field_among_others_that_is_no_number_is_told(n, tolerance):
+    """That of a site that is neither the first nor the last: in registers and in memory."""
+    model = smidgen.build(smidgen.load_text(UNREAL.format(n=n)), method="gauss-6").start("a", h=0.1, tolerance=tolerance)
+    before = model.state()
+    assert model.advance(1) == 0 and model.report()["site"] == 1 and np.array_equal(model.state(), before)
+
+
 @pytest.mark.parametrize("compiler", [pytest.param("clang", marks=pytest.mark.skipif("clang" not in COMPILERS, reason="no clang"))])
 def test_another_compiler_has_them_too(monkeypatch, compiler):
     """Where no function of the C library is called."""

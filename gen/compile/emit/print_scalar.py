@@ -218,7 +218,8 @@ class Scalar:
         if s.step == -1:
             return block(f"for (int64_t {s.index} = {self(s.end)}; {s.index}-- > {self(s.start)};)", self.lines(s.body))
         step = f"++{s.index}" if s.step == 1 else f"{s.index} += {s.step if isinstance(s.step, int) else self(s.step)}"
-        return self.short(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", s.body)
+        lines = self.short(f"for (int64_t {s.index} = {self(s.start)}; {s.index} < {self(s.end)}; {step})", s.body)
+        return ["SMG_UNROLL_SITES", *lines] if s.few else lines
 
     def short(self, head: str, body) -> list:
         """A single statement that is no block stands beside its head where there is room."""

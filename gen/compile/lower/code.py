@@ -252,13 +252,15 @@ class Block(Node):
 @dataclass(frozen=True)
 class For(Block):
     """index = start, start + step, .. below end; of step -1 the same numbers as of step 1, the last one first. over: what is counted, for targets that share work out: `sites`, `pairs`,
-    `edges`, `cells` of a lattice, `entries` of an array, or `colours`: one after the other, and within one no two sites meet."""
+    `edges`, `cells` of a lattice, `entries` of an array, or `colours`: one after the other, and within one no two sites meet. few: there may be
+    so few that each gets a copy of the body."""
     index: str
     start: Int
     end: Int
     body: tuple
     step: int | Int = 1
     over: str = "sites"
+    few: bool = False
 
     def names(self):
         return (self.index,)

@@ -27,7 +27,8 @@
  * four stages) the error is 190 times smaller.
  *
  * The iteration ends where the w of a step are right to s->tolerance, as its last two changes tell; 0: where nothing
- * moves but by round-off, as long runs need it.
+ * moves but by round-off, as long runs need it. Only then are changes measured next to the size of what changes too,
+ * which takes a division: a tenth of a sweep.
  *
  * Of the model it needs SMG_STAGES, SMG_HISTORY 1, and beside w, compensation and u one array, s->stages, of
  * SMG_STAGES_SIZE(sites) numbers. Where SMG_HAS_LANES says so it gives smg_lane_gradient(c, w, g) beside

@@ -50,9 +50,11 @@ SMG_INLINE void smg_combine(const smg_real (*rows)[SMG_PADDED], const smg_of_sit
 
 /* ---- one site, z = (z[0] + i z[1], z[2] + i z[3]) ------------------------------------------- */
 
-/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage; both are 0 if z = 0. */
-SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
-  const smg_real least = SMG_LEAST + r * SMG_LEAST; /* so that r/least is finite */
+/* Beside |z|^2 it is nothing; r over it is finite. */
+SMG_INLINE smg_real smg_least(smg_real r) { return SMG_LEAST + r * SMG_LEAST; }
+
+/* x = (r/|z|^2) z and p = r w(z)/|z|^2, stage by stage; both are 0 if z = 0. least = smg_least(r). */
+SMG_INLINE void smg_point(smg_real r, smg_real least, const smg_lanes *z, smg_lanes *x, smg_lanes *p) {
   const smg_lanes scale = r / ((z[0] * z[0] + z[1] * z[1]) + (z[2] * z[2] + z[3] * z[3]) + least);
   smg_lane_multiple(x, scale, z, 4);
   p[0] = 2 * (x[0] * z[2] + x[1] * z[3]);
@@ -60,7 +62,8 @@ SMG_INLINE void smg_point(smg_real r, const smg_lanes *z, smg_lanes *x, smg_lane
   p[2] = (x[0] * z[0] + x[1] * z[1]) - (x[2] * z[2] + x[3] * z[3]);
 }
 
-/* l = i (a.sigma - a.p/r) x = h b_i F(Z_i), a = (h b_i/2 kappa) dH/dw = half g, inverse = 1/r. */
+/* l = i (a.sigma - a.p/r) x = h b_i F(Z_i), a = (h b_i/2 kappa) dH/dw = half g, which may take the place of g;
+ * inverse = 1/r. */
 SMG_INLINE void smg_slope(smg_of_stage half, smg_real inverse, const smg_lanes *g, const smg_lanes *p,
                           const smg_lanes *x, smg_lanes *a, smg_lanes *l) {
   for (int b = 0; b < 3; ++b) a[b] = half * g[b];

@@ -134,7 +134,7 @@ SMG_INLINE void smg_join_slots(const smg_gauss_work *a, int64_t slot, const smg_
   SMG_UNROLL
   for (int i = 0; i < SMG_STAGES; ++i) {
     smg_lanes x[4], p[3];
-    smg_point(a->radius, sum[i], x, p);
+    smg_point(a->radius, smg_least(a->radius), sum[i], x, p);
     smg_put_four(smg_sweep_stage(a, i, SMG_STAGE_X), a->pitch, slot, x);
     smg_put_slots(smg_sweep_stage(a, i, SMG_SLOT_POINT), a->pitch, slot, p);
   }
@@ -278,7 +278,7 @@ static void smg_begin_sweeps(smg_state *s, smg_gauss_work *a, SMG_UNUSED int ext
   smg_shift_by(&a->shift, a->radius, smg_look_at_fields(s, a));
 }
 
-/* The site that moves most, or is no number. */
+/* The site that moves most, or the first that is no number. */
 typedef struct smg_slots_moved {
   const smg_real *marks;
   smg_real most;
@@ -287,7 +287,7 @@ typedef struct smg_slots_moved {
 
 SMG_INLINE void smg_look_at_mark(void *context, int64_t site, int64_t slot) {
   smg_slots_moved *found = (smg_slots_moved *)context;
-  if (found->marks[slot] <= found->most) return;
+  if (found->most != found->most || found->marks[slot] <= found->most) return;
   found->most = found->marks[slot];
   found->site = site;
 }
