@@ -55,7 +55,7 @@ SMG_INLINE void smg_look(const smg_state *s, const smg_moved *moved, smg_watch *
   watch->before = watch->last.absolute;
   watch->last = watch->now;
   watch->now.absolute = smg_lane_largest(moved->absolute);
-  watch->now.relative = whole ? watch->now.absolute / (s->scale + SMG_LEAST) : smg_lane_largest(moved->relative);
+  watch->now.relative = whole ? watch->now.absolute : smg_lane_largest(moved->relative);
   watch->size = s->scale;
   if (!whole && !smg_still(watch->now.absolute, s->scale))
     watch->size = smg_max(s->scale, smg_lane_largest(moved->rounding_scale));
@@ -81,11 +81,11 @@ SMG_INLINE int smg_leaves_tolerance(const smg_watch *watch, smg_real whole, smg_
  * contraction that is allowed; or the round-off of the field. */
 SMG_INLINE int smg_stages_settled(const smg_state *s, const smg_watch *watch) {
   const smg_change *now = &watch->now, *last = &watch->last;
-  const smg_real tolerance = smg_allowed(s);
+  const smg_real tolerance = smg_allowed(s), one = smg_of_the_whole(s) ? s->scale : 1; /* of `relative` */
   /* beside products so large anything looks like round-off */
   if (!(now->absolute <= smg_max(SMG_BLIND * s->scale, tolerance))) return 0;
-  if (now->relative <= SMG_EPS || smg_leaves_tolerance(watch, s->scale, tolerance)) return 1;
-  if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, 1, SMG_EPS)) return 1;
+  if (now->relative <= SMG_EPS * one || smg_leaves_tolerance(watch, s->scale, tolerance)) return 1;
+  if (watch->most >= 0 && smg_leaves_at_most(now->relative, last->relative, one, SMG_EPS * one)) return 1;
   if (smg_still(now->absolute, watch->size) && now->relative >= SMG_CONTRACTION * last->relative) return 1;
   return now->absolute <= SMG_FIELD_NOISE * watch->size && watch->since >= SMG_PATIENCE;
 }

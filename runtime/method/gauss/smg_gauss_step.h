@@ -56,15 +56,14 @@ static inline void smg_restore_history(smg_state *s, const smg_real *in) {
 
 /* ---- the step -------------------------------------------------------------------------------- */
 
-/* The L_j that the iteration begins with: by the polynomial through those of the step before, or 0. */
-SMG_INLINE void smg_slopes_ahead(const smg_gauss_work *a, int64_t k, int extrapolated, smg_lanes (*l)[4]) {
-  const smg_of_site none = {0};
+/* The L_j that the iteration begins with, by the polynomial through those of the step before. */
+SMG_INLINE void smg_slopes_ahead(const smg_gauss_work *a, int64_t k, smg_lanes (*l)[4]) {
   SMG_UNROLL
   for (int b = 0; b < 4; ++b) {
     smg_of_site past[SMG_STAGES];
     smg_lanes next[SMG_STAGE_VECTORS];
     SMG_UNROLL
-    for (int j = 0; j < SMG_STAGES; ++j) past[j] = extrapolated ? smg_number_at(a, SMG_STAGE_PAST, b, j, k) : none;
+    for (int j = 0; j < SMG_STAGES; ++j) past[j] = smg_number_at(a, SMG_STAGE_PAST, b, j, k);
     smg_combine(smg_gauss_ahead, past, next);
     SMG_UNROLL
     for (int q = 0; q < SMG_STAGE_VECTORS; ++q) l[q][b] = next[q];
@@ -105,7 +104,8 @@ static void smg_begin_stages(smg_state *s, void *with, int extrapolated) {
   smg_gauss_work *a = (smg_gauss_work *)with;
   for (int64_t k = 0; k < smg_places(&s->c); k += SMG_AT_ONCE) {
     smg_lanes l[SMG_STAGE_VECTORS][4];
-    smg_slopes_ahead(a, k, extrapolated, l);
+    if (extrapolated) smg_slopes_ahead(a, k, l);
+    else smg_lane_zero(l[0], 4 * SMG_STAGE_VECTORS);
     smg_begin_sites(s, a, k, (const smg_lanes(*)[4])l);
   }
   smg_begin_sweeps(s, a, extrapolated);
