@@ -120,7 +120,7 @@ def composed(base: Method, scheme: str) -> Method:
         base, name=f"{base.name}-{scheme}", title=f"{base.title} composed to order {order}", label=f"{base.label} {scheme}",
         summary=f"{base.name} composed of {stages} stages ({kind}order {order}, {source})", order=order, midpoint=False,
         features=("tangent", "plain-sums") if base.midpoint else (), history=8 if base.midpoint else base.history, stages=stages, scheme=header,
-        variant=base.midpoint and not base.onto_leaf or not scheme.isdigit())
+        lane_header=base.lane_header and "smg_lane_composition.h", variant=base.midpoint and not base.onto_leaf or not scheme.isdigit())
 
 
 MIDPOINT_METHODS = (

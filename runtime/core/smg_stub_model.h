@@ -43,7 +43,7 @@
 #endif
 #elif !defined(SMG_DOP853_H) && !defined(SMG_EXTRAPOLATION_H)
 #define SMG_HISTORY 7
-#if !defined(SMG_SPHERE_HISTORY_H) && !defined(SMG_SINGLE_SPHERE_H) && !defined(SMG_LANE_SPHERE_H)
+#if !defined(SMG_SPHERE_HISTORY_H) && !defined(SMG_SINGLE_SPHERE_H) && !defined(SMG_LANE_NEWTON_H)
 #define SMG_NO_DEGREE -1
 #endif
 #endif
@@ -74,12 +74,13 @@ static const int64_t smg_row_classes[SMG_ROW_CLASSES][6] = {{0}};
 #define SMG_BY_ROWS 1
 #define SMG_TANGENT 1
 #endif
-#if defined(SMG_STAGE_PREDICTOR_H) || defined(SMG_COMPOSITION_H) || defined(SMG_COMPOSED_TANGENT_H)
+#if defined(SMG_LEVELS_H) || defined(SMG_STAGE_PREDICTOR_H) || defined(SMG_COMPOSITION_H) || \
+    defined(SMG_COMPOSED_TANGENT_H) || defined(SMG_LANE_COMPOSITION_H)
 #define SMG_COMPOSED 5
-static const smg_real smg_gamma[5] = {0};
+static const smg_real smg_gamma[5] = {0}, smg_inverse_gamma[5] = {0};
 static const double smg_stage_weights[5][4][8] = {{{0}}};
 #endif
-#if defined(SMG_SPHERE_HISTORY_H) || defined(SMG_SINGLE_SPHERE_H) || defined(SMG_LANE_SPHERE_H)
+#if defined(SMG_SPHERE_HISTORY_H) || defined(SMG_SINGLE_SPHERE_H) || defined(SMG_LANE_NEWTON_H)
 #define SMG_SINGLE_SPHERE 1
 #else
 #define SMG_HAS_COUPLED 1

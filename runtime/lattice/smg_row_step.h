@@ -63,7 +63,7 @@ static void smg_row_misses(const smg_state *s, int64_t k, smg_real *miss) {
   }
   smg_share_sample(&s->c, k, all, 3 * n);
 #if SMG_COMPOSED
-  for (int b = 0; b < 3; ++b) smg_add_level_misses(s, all + b * n, miss);
+  for (int b = 0; b < 3; ++b) smg_add_level_misses(s->stage, all + b * n, miss);
 #else
   for (int b = 0; b < 3; ++b) smg_add_misses(s->history, all + b * n, miss);
 #endif

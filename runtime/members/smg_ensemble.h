@@ -32,7 +32,8 @@ static size_t smg_member_memory(const smg_model *model) {
 
 static size_t smg_ensemble_memory(const smg_model *model, int own, int64_t members) {
   size_t bytes = smg_whole_lines((size_t)members * sizeof(smg_state));
-  for (int64_t k = 0; k < members; ++k) bytes += smg_member_memory(smg_model_of(model, own, k));
+  if (!own) return bytes + (size_t)members * smg_member_memory(model);
+  for (int64_t k = 0; k < members; ++k) bytes += smg_member_memory(model + k);
   return bytes;
 }
 

@@ -2,46 +2,13 @@
  * bits that it has alone.
  *
  * Lanes take the prediction, Newton iterations where one leaves too much, and the evaluation that confirms them, by
- * smg_sphere_template.h. Rare cases, and the first step of a state, fall back to smg_step().
- *
- * The model adds the kernels that smg_single_sphere.h asks for, in lanes: smg_lane_motion, smg_lane_radial,
- * smg_lane_derivative, smg_lane_slope_times, smg_lane_slope_minors, smg_lane_slope_sums. */
+ * smg_lane_newton.h. Rare cases, and the first step of a state, fall back to smg_step(). */
 #ifndef SMG_LANE_SPHERE_H
 #define SMG_LANE_SPHERE_H
 
-#include "smg_lane_misses.h"
-#include "smg_lane_vec.h"
-#include "smg_single_sphere.h"
+#include "smg_lane_newton.h"
 
 #if SMG_LANES > 1
-
-#define smg_iterate smg_lane_iterate
-#define smg_found smg_lane_found
-#define smg_clear_of_branches smg_lane_clear_of_branches
-#define smg_within_ulp smg_lane_within_ulp
-#define smg_near_zero_settled smg_lane_near_zero_settled
-#define smg_twice_midpoint smg_lane_twice_midpoint
-#define smg_image smg_lane_image
-#define smg_sphere_trace smg_lane_sphere_trace
-#define smg_sphere_determinant smg_lane_sphere_determinant
-#define smg_sphere_bound smg_lane_sphere_bound
-#define smg_sphere_newton smg_lane_sphere_newton
-#define smg_found_at smg_lane_found_at
-#define smg_sphere_evaluate smg_lane_sphere_evaluate
-#define smg_sphere_settled smg_lane_sphere_settled
-#define smg_sphere_confirmed smg_lane_sphere_confirmed
-#define smg_sphere_small smg_lane_sphere_small
-#define smg_sphere_done smg_lane_sphere_done
-#define smg_sphere_refine smg_lane_sphere_refine
-#define smg_sphere_converge smg_lane_sphere_converge
-#define smg_sphere_again smg_lane_sphere_again
-#define smg_sphere_move smg_lane_sphere_move
-#define smg_sphere_keep smg_lane_sphere_keep
-#define smg_sphere_misses smg_lane_sphere_misses
-#define smg_add_misses smg_lane_add_misses
-#include "smg_in_lanes.h"
-#include "smg_sphere_template.h"
-#include "smg_in_numbers.h"
 
 /* with more groups their histories leave a nearest cache of 32 KB */
 #define SMG_GROUPS 3
@@ -135,15 +102,7 @@ SMG_INLINE void smg_lanes_commit(smg_group *g, const smg_lane_found *f) {
 
 /* The lanes `left`, which one Newton iteration has not settled; f: what it found. */
 SMG_COLD static void smg_lanes_resume(smg_group *g, smg_lane_mask left, const smg_lane_iterate *n, smg_lane_found f) {
-  const smg_lane_mask near = left & (smg_lane_mask)(n->size < SMG_SECOND);
-  smg_lane_mask alone = left & ~near;
-  if (smg_lane_any(near)) {
-    const smg_lane_vec w = smg_lane_vec_load(g->w), compensation = smg_lane_vec_load(g->compensation);
-    smg_lane_found again;
-    alone |= near & ~smg_lane_sphere_again(g->c, w, compensation, near, *n, &again, &g->iterations);
-    f = smg_lane_found_at(w, compensation, smg_lane_vec_select(near, again.v, f.v), smg_lane_select(near, again.q, f.q),
-                          smg_lane_select(near, again.residual, f.residual));
-  }
+  const smg_lane_mask alone = smg_lanes_again(g->c, g->w, g->compensation, left, n, &f, &g->iterations);
   if (smg_lane_any(alone)) smg_lanes_step_alone(g, alone);
   smg_lanes_commit(g, &f);
   for (int l = 0; l < SMG_LANES; ++l) {
@@ -152,7 +111,7 @@ SMG_COLD static void smg_lanes_resume(smg_group *g, smg_lane_mask left, const sm
     smg_lane_set(&g->residual, l, g->state[l]->report.residual);
     g->iterations[l] = g->state[l]->report.iterations;
   }
-  const smg_lane_mask due = near & ~alone & (smg_lane_mask)(((g->began + g->taken) & 15) == 0);
+  const smg_lane_mask due = left & ~alone & (smg_lane_mask)(((g->began + g->taken) & 15) == 0);
   if (smg_lane_any(due)) smg_lanes_degree(g, due);
 }
 

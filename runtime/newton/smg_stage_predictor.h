@@ -7,22 +7,7 @@
 #ifndef SMG_STAGE_PREDICTOR_H
 #define SMG_STAGE_PREDICTOR_H
 
-#include "smg_model.h"
-
-#define SMG_LEVELS 4
-
-/* How many stages a level looks back. */
-static inline int smg_span(int level) {
-  static const int span[SMG_LEVELS] = {1, 3, 6, 8};
-  return span[level];
-}
-
-/* The highest level that `stages` of them serve. */
-static inline int smg_highest_level(int stages) {
-  int level = 0;
-  while (level + 1 < SMG_LEVELS && smg_span(level + 1) <= stages) ++level;
-  return level;
-}
+#include "smg_level_misses_template.h"
 
 #define SMG_MOST_DEGREE(history) smg_highest_level(history)
 
@@ -49,15 +34,6 @@ static inline smg_real smg_past_weight(const smg_state *s, int level, int j) {
   return (smg_real)smg_stage_weights[s->stage][level][j];
 }
 
-/* miss[l] += the error, squared, that every level would have made in the newest value, row[0]. */
-static inline void smg_add_level_misses(const smg_state *s, const smg_real *row, smg_real *miss) {
-  for (int l = 0; l < SMG_LEVELS; ++l) {
-    smg_real off = row[0];
-    for (int j = 0; j < smg_span(l); ++j) off -= smg_past_weight(s, l, j) * row[j + 1];
-    miss[l] += off * off;
-  }
-}
-
 #if SMG_SINGLE_SPHERE
 /* The row of the stage under way, (u, gamma q), from the rows before it; q = 1/|w + W| depends on the stages as u/gamma
  * does. */
@@ -77,7 +53,7 @@ SMG_COLD static void smg_stage_misses(smg_state *s) {
   for (int i = 0; i < 3; ++i) {
     smg_real row[SMG_HISTORY + 1];
     for (int j = 0; j <= SMG_HISTORY; ++j) row[j] = s->rows[4 * (s->row + j) + i];
-    smg_add_level_misses(s, row, s->misses);
+    smg_add_level_misses(s->stage, row, s->misses);
   }
   smg_choose_level(s);
 }

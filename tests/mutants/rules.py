@@ -202,6 +202,7 @@ FEW, FEW_STEP, LANE_SPHERE = "runtime/lattice/smg_few.h", "runtime/lattice/smg_f
 ALONE_LANES = "runtime/lattice/smg_alone_lanes.h"
 LANE_STEPS, CONTROL = "runtime/members/smg_lane_dop853.h", "runtime/method/explicit/smg_dop853_template.h"
 LANE_ROWS, LANE_BATCH = "runtime/members/smg_lane_extrapolation.h", "runtime/members/smg_lane_batch.h"
+LANE_STAGES = "runtime/members/smg_lane_composition.h"
 IN_LANES = (
     (FEW, r"smg_lane_select\(own, smg_lane_of\(0\), more\[k\]\)", r"more[k]"),
     (FEW, r"i \+ l < sites \? i \+ l : sites - 1", r"0"),
@@ -217,6 +218,9 @@ IN_LANES = (
     ("gen/compile/assemble/alone_lanes.py", r"alike = not any\(", r"alike = all("),
     (LANE_BATCH, r"smg_lane_insert\(g->compensation, l, s->compensation, 3\);", r""),
     (LANE_SPHERE, r"s->rows \+ 4 \* s->row, newest", r"s->rows, newest"),
+    (LANE_STAGES, r"smg_lane_choose\(g->w, alone, g->before, g->w, 3\);", r""),
+    (LANE_STAGES, r"g->row = g->first;", r""),
+    (LANE_STAGES, r"g->one_level = .*;", r"g->one_level = 1;"),
     (LANE_BATCH, r"s->count = g->began\[l\] \+ g->taken", r"s->count = g->taken"),
     (CONTROL, r"= smg_select\(good, pace->end, pace->done\)", r"= pace->end"),
     (CONTROL, r"smg_add_where\(good, y", r"smg_add_where(smg_all(1), y"),

@@ -61,7 +61,7 @@ energy = "K[i]*w[i].z^2"
 theta = "1 + 0.3*i"
 phi = 0.4
 """
-OWN_STEPS, EXTRAPOLATION = ("dop853", "dop853-projected"), "extrapolation-12"
+OWN_STEPS, EXTRAPOLATION, COMPOSED = ("dop853", "dop853-projected"), "extrapolation-12", ("spherical-midpoint-4", "spherical-midpoint-10")
 SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load_text(PULSED), "planar": smidgen.load_text(PLANAR),
          "edge": smidgen.load_text(EDGE), "mixed": smidgen.load_text(PULSED.replace("cos(2*t)*", "").replace("pulsed", "mixed"))}
 
@@ -69,7 +69,7 @@ SPECS = {**{name: smidgen.load(name) for name in BODIES}, "pulsed": smidgen.load
 def test_these_go_in_lanes():
     timed = {"forced_rigid_body", "pulsed"}
     for spec in SPECS.values():
-        for method in ("spherical-midpoint", EXTRAPOLATION, *OWN_STEPS):
+        for method in ("spherical-midpoint", EXTRAPOLATION, *OWN_STEPS, *COMPOSED):
             goes = "#define SMG_LANE_SPHERE 1" in generate(spec, method=method, features=("ensemble",))[f"{spec.name}.c"]
             assert goes == (method not in OWN_STEPS or spec.name not in timed)
 
@@ -270,6 +270,51 @@ def test_extrapolation_in_any_number_of_lanes(monkeypatch, lanes):
     assert agree(found, wanted) and found.lanes == lanes
 
 
+@pytest.mark.parametrize("how, h", [pytest.param(how, h, marks=() if how == "native" and h != 0.05 else pytest.mark.long) for how in HOW for h in (0.05, 0.3, 1.1, 2.5)],
+                         indirect=["how"])
+@pytest.mark.parametrize("name", [*BODIES, "pulsed"])
+def test_compositions_in_lanes(how, name, h):
+    """From stages of one iteration to steps that end at a fold; with more steps than a choice of the predictor takes, and continued by another call."""
+    w, stops = points(13), {"every": 19, "what": "states"}
+    for method in COMPOSED:
+        found = smidgen.ensemble(SPECS[name], start=w, h=h, steps=40, t0=0.7, method=method, threads=1, **stops, **how)
+        assert agree(found, alone(SPECS[name], w, h, 40, 0.7, method=method)) and found.lanes in (2, 4, 8)
+
+
+@pytest.mark.parametrize("name, own", [("free_rigid_body", {"I2": (1.5, 2.5)}), ("forced_rigid_body", {"eps": (0, 0.3)})])
+def test_compositions_with_parameters_of_each_member(name, own):
+    own = {p: np.random.default_rng(5).uniform(*ends, 11) for p, ends in own.items()}
+    found = smidgen.ensemble(SPECS[name], start=points(11), parameters=own, h=0.2, steps=40, method=COMPOSED[0])
+    assert agree(found, alone(SPECS[name], points(11), 0.2, 40, own=own, method=COMPOSED[0]))
+
+
+@pytest.mark.parametrize("steps", [1, 2, 3, 30])
+@pytest.mark.parametrize("members", [1, 7, 9, 33])
+def test_compositions_of_any_number_of_members(members, steps):
+    """Some of which cannot begin; with fewer steps than a history takes."""
+    w = points(members, 3)
+    w[1::5] *= 1.1
+    found = smidgen.ensemble(SPECS["forced_rigid_body"], start=w, h=0.2, steps=steps, method=COMPOSED[0])
+    good = np.flatnonzero(found.status == 0)
+    assert list(good) == [k for k in range(members) if k % 5 != 1]
+    assert found.w[good].tobytes() == alone(SPECS["forced_rigid_body"], w[good], 0.2, steps, method=COMPOSED[0])[0].tobytes()
+
+
+def test_compositions_fail_where_they_fail_alone():
+    """In any stage: a member then is where its step began, and so are those that are in lanes with it."""
+    spec, w = SPECS["irreversible_rigid_body"], points(40)
+    found, wanted = smidgen.ensemble(spec, start=w, h=4, steps=30, method=COMPOSED[0]), alone(spec, w, 4, 30, method=COMPOSED[0])
+    assert agree(found, wanted) and 2 < len(found.failures) < 38 and len(set(found.steps)) > 3
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_compositions_in_any_number_of_lanes(monkeypatch, lanes):
+    wanted = alone(SPECS["pulsed"], points(9), 0.2, 40, method=COMPOSED[0])
+    monkeypatch.setenv("CC", f"gcc -Wno-psabi -DSMG_LANES={lanes}")
+    found = smidgen.ensemble(SPECS["pulsed"], start=points(9), h=0.2, steps=40, method=COMPOSED[0])
+    assert agree(found, wanted) and found.lanes == lanes
+
+
 def test_energy_of_one_component():
     """Where many entries of the matrix are 0; and the plane x = 0, in which nothing moves."""
     w = np.concatenate([points(6), [[[0.0, 0.6, 0.8]], [[-0.0, -1.0, 0.0]], [[1.0, 0.0, -0.0]]]])
@@ -296,7 +341,7 @@ def test_stops_and_threads_change_no_bit(monkeypatch):
         assert parts.w.tobytes() == whole.w.tobytes()
 
 
-@pytest.mark.parametrize("name, method, h", [("heisenberg_chain", "spherical-midpoint", 0.1), ("free_rigid_body", "spherical-midpoint-4", 0.1),
+@pytest.mark.parametrize("name, method, h", [("heisenberg_chain", "spherical-midpoint", 0.1), ("free_rigid_body", "axis-splitting-4", 0.1),
                                              ("point_vortices", "gauss-4", 0.05), ("nambu_a31", "classical-midpoint", 0.02)])
 def test_other_models_and_methods(name, method, h):
     """Members one by one, or stages of each in lanes."""
@@ -364,7 +409,8 @@ def files_of(name, method):
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(8, marks=pytest.mark.long)])
 @pytest.mark.parametrize("compiler, mode", MODES)
-@pytest.mark.parametrize("name, method", [("pulsed", "spherical-midpoint"), ("free_rigid_body", "spherical-midpoint"), ("mixed", OWN_STEPS[1]), ("pulsed", EXTRAPOLATION)])
+@pytest.mark.parametrize("name, method", [("pulsed", "spherical-midpoint"), ("free_rigid_body", "spherical-midpoint"), ("mixed", OWN_STEPS[1]), ("pulsed", EXTRAPOLATION),
+                                          ("pulsed", COMPOSED[0]), ("free_rigid_body", COMPOSED[0])])
 def test_clean_c(tmp_path, name, method, compiler, mode, lanes):
     for file, text in files_of(name, method).items():
         (tmp_path / file).write_text(text)

@@ -33,7 +33,7 @@ CONTRACTS = tuple((said, frozenset(headers.split())) for said, headers in (
     ("the sites that a rank has, and what ranks tell each other of them", "smg_own smg_row_grid smg_row_layers smg_row_parts smg_row_ranks smg_row_state smg_sum"),
     ("the tangent map, of a step or of a composition", "smg_tangent smg_composed_tangent"),
     ("the types of templates, of one number and of lanes", "smg_template smg_in_lanes smg_in_numbers"),
-    ("states in lanes", "smg_lane_dop853 smg_lane_extrapolation smg_lane_sphere"),
+    ("states in lanes", "smg_lane_composition smg_lane_dop853 smg_lane_extrapolation smg_lane_sphere"),
     ("coefficients", f"smg_dop853_table smg_gauss_table smg_explicit_step {TABLES}")))
 # Counted when it was last changed; `python tests/support/headers.py` counts.
 MOST_STATEMENTS = 7700

@@ -6,6 +6,7 @@ from dataclasses import replace
 from ..lower.code import Argument, Call, Component, Constant, Entry, Function, Held, Local, Member, Name, Parameter, Real, Struct, Unary, Variable, real_of, walk
 from ..lower.integers import Whole
 from .part import MOST_LANES, Part
+from .solo import rows_kept
 
 KINDS = {"smg_vec": "smg_lane_vec", "smg_slope": "smg_lane_slope", "smg_real": "smg_lanes", "const smg_coefficients *": "const smg_lane_coefficients *"}
 IN_LANES = {f"smg_{name}": f"smg_lane_{name}" for name in (
@@ -19,7 +20,7 @@ def lane_sphere(model, low):
     own too, where what depends on time takes longer than all else."""
     own_times = model.method.controlled
     kernels = model.solo or ((model.motion,) if model.motion and not (own_times and low.is_timed()) else ())
-    if not kernels or not model.method.lane_header or model.thermal or model.method.stages > 1 or "extended" in model.features:
+    if not kernels or not model.method.lane_header or model.thermal or "extended" in model.features:
         return None
     read = coefficients_of(kernels)
     if read is None:
@@ -90,7 +91,7 @@ class MembersInLanes(Part):
         return ["smg_lane_vec.h"]
 
     def settings(self, model):
-        return {"SMG_LANE_SPHERE": 1}
+        return {"SMG_LANE_SPHERE": 1, **({"SMG_ROWS": rows_kept(model)} if model.solo else {})}
 
     def behind(self, model):
         return [model.method.lane_header]

@@ -18,6 +18,7 @@ from .response import formulas, indexed
 HISTORY = 10        # increments kept; another row costs less than another iteration
 STAGES = 8          # the same of compositions: stages
 ROWS = 64           # rows of history before they are moved back
+MEMBER_ROWS = HISTORY + 2       # the same of members in lanes, whose history moves in registers: memory that is new takes longer than their start
 M, SLOPE = Argument("smg_vec", "m"), Argument("smg_slope", "D")
 OWN = {**{f"v0{axis}": Component("m", a) for a, axis in enumerate("xyz")}, "q": Local("q")}      # the vector m by value
 
@@ -230,6 +231,12 @@ def work(e, m) -> int:
     return int(sp.count_ops(rest))
 
 
+def rows_kept(model) -> int:
+    """Rows of its history; those of a step of a composition fit below those before it."""
+    if not model.lane_sphere:
+        return ROWS
+    return MEMBER_ROWS if model.method.stages == 1 else 2 * STAGES + model.method.stages
+
 
 class SingleSphere(Part):
     """One unit sphere, whose step is in registers."""
@@ -248,7 +255,7 @@ class SingleSphere(Part):
         return {"SMG_SINGLE_SPHERE": 1}
 
     def buffers(self, model):
-        rows = buffer("rows", 4 * ROWS, "history: increment and 1/|w + W| of each step, newest first")
+        rows = buffer("rows", 4 * rows_kept(model), "history: increment and 1/|w + W| of each step, newest first")
         prepared = buffer("prepared", Computed("smg_prepared_size", (whole(model.method.stages),)), "coefficients of each stage size, after 1 and the h that they belong to")
         return [rows] if model.method.stages == 1 else [rows, prepared]
 

@@ -174,11 +174,16 @@ class Stepped:
 
     def advance(self, count: int) -> None:
         """`count` steps of all members, block by block."""
+        blocks = range(0, self.members, self.block)
         if count == 0:
+            return
+        if self.threads == 1 or len(blocks) == 1:       # a thread takes a tenth of a millisecond to start
+            for first in blocks:
+                self.advance_block(first, count)
             return
         with ThreadPoolExecutor(self.threads) as pool:
             try:
-                list(pool.map(lambda first: self.advance_block(first, count), range(0, self.members, self.block)))
+                list(pool.map(lambda first: self.advance_block(first, count), blocks))
             except BaseException:
                 self.stop.set()         # Ctrl-C: each thread ends with the call that it is in
                 raise

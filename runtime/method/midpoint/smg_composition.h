@@ -78,9 +78,15 @@ SMG_COLD static void smg_prepare_stages(smg_state *s) {
   s->prepared[0] = 1;
   s->prepared[1] = (smg_real)s->h;
 }
+static inline void smg_have_stages(smg_state *s) {
+  if (!(s->prepared[0] == 1 && s->prepared[1] == (smg_real)s->h)) smg_prepare_stages(s);
+}
+
+/* The size of a stage is that of the one as far from the end. */
+SMG_INLINE int smg_size_of_stage(int stage) { return stage <= SMG_COMPOSED / 2 ? stage : SMG_COMPOSED - 1 - stage; }
 
 static inline smg_status smg_solve_composed_stage(smg_state *s, smg_real middle, SMG_UNUSED struct smg_row_call *rows) {
-  s->c = smg_prepared(s)[s->stage <= SMG_COMPOSED / 2 ? s->stage : SMG_COMPOSED - 1 - s->stage];
+  s->c = smg_prepared(s)[smg_size_of_stage(s->stage)];
   smg_set_time_at(&s->c, s, middle);
   return smg_sphere_step(s);
 }
@@ -172,7 +178,7 @@ static inline smg_status smg_solve_all_stages(smg_state *s, struct smg_row_call 
 static smg_status smg_compose(smg_state *s, struct smg_row_call *rows) {
   smg_before before;
 #if SMG_SINGLE_SPHERE
-  if (!(s->prepared[0] == 1 && s->prepared[1] == (smg_real)s->h)) smg_prepare_stages(s);
+  smg_have_stages(s);
 #endif
   smg_hold(s, &before, rows);
   const smg_status status = smg_solve_all_stages(s, rows);

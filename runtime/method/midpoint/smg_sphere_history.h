@@ -7,7 +7,9 @@
 #include "smg_tolerances.h"
 
 #define SMG_NO_DEGREE 0
-#define SMG_ROWS 64 /* rows before they are moved back */
+#ifndef SMG_ROWS
+#define SMG_ROWS 64 /* rows before they are moved back; members in lanes keep fewer */
+#endif
 
 #define SMG_OWN_BLANK_HISTORY 1
 static inline void smg_blank_history(smg_state *s) {

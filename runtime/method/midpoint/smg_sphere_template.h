@@ -172,7 +172,7 @@ SMG_INLINE void smg_sphere_move(smg_number *w, SMG_UNUSED smg_number *compensati
 SMG_INLINE int smg_sphere_keep(smg_number *rows, int row, int most, smg_vec v, smg_number q) {
   if (row == 0) {
     row = most - SMG_HISTORY + 1;
-    smg_copy(rows + 4 * row, rows, 4 * (SMG_HISTORY - 1));
+    for (int k = 4 * (SMG_HISTORY - 1); k-- > 0;) rows[4 * row + k] = rows[k]; /* both places may overlap */
   }
   --row;
   smg_vec_store(rows + 4 * row, v);
