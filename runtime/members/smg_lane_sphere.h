@@ -10,8 +10,9 @@
 
 #if SMG_LANES > 1
 
-/* with more groups their histories leave a nearest cache of 32 KB */
-#define SMG_GROUPS 3
+/* one waits for its arithmetic, one steps; with three, histories and all else leave too little of a nearest cache of 32
+ * KB */
+#define SMG_GROUPS 2
 enum { SMG_TIMES = 1, SMG_TABLES = SMG_GROUPS };
 /* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */
 #define SMG_LANE_ROWS 24
@@ -23,7 +24,7 @@ typedef struct smg_group {
   smg_lane_mask live, began, iterations;
   smg_state *state[SMG_LANES];
   int64_t taken;
-  int row, deep; /* the newest of the history; have rows beyond SMG_FEW_ROWS weights? */
+  int row; /* the newest of the history */
 } smg_group;
 
 #include "smg_lane_batch.h"
@@ -33,13 +34,9 @@ typedef struct smg_group {
 /* The weights of the predictor of lane l. */
 static void smg_lane_degree(smg_group *g, int l, int degree) {
   for (int j = 0; j < SMG_HISTORY; ++j) smg_lane_set(g->weights + j, l, smg_sphere_weights[degree][4 * j]);
-  g->deep |= degree >= SMG_FEW_ROWS;
 }
 
-static inline void smg_group_clear(smg_group *g) {
-  g->row = SMG_LANE_ROWS - SMG_HISTORY;
-  g->deep = 0;
-}
+static inline void smg_group_clear(smg_group *g) { g->row = SMG_LANE_ROWS - SMG_HISTORY; }
 
 static inline void smg_lane_take_up(smg_group *g, int l, const smg_state *s, int newest) {
   smg_lane_insert(g->rows + 4 * g->row, l, s->rows + 4 * s->row, newest ? 4 : 4 * SMG_HISTORY);
@@ -64,18 +61,15 @@ static void smg_fill_table(const smg_batch *b, int k, smg_lane_coefficients *tab
 /* ---- one step of a group ---------------------------------------------------------------------- */
 
 /* smg_sphere_predict() */
-SMG_INLINE smg_lanes smg_lanes_predicted(const smg_group *g, int i) {
-  const smg_lanes *row = g->rows + 4 * g->row + i, *a = g->weights;
-  smg_lanes sum = a[SMG_FEW_ROWS - 1] * row[4 * (SMG_FEW_ROWS - 1)];
+SMG_INLINE void smg_lanes_predict(smg_group *g) {
+  const smg_lanes *row = g->rows + 4 * g->row, *a = g->weights;
+  smg_lanes sum[4];
+  for (int i = 0; i < 4; ++i) sum[i] = a[SMG_HISTORY - 2] * row[4 * (SMG_HISTORY - 2) + i];
   SMG_UNROLL
-  for (int j = SMG_FEW_ROWS - 2; j >= 2; --j) sum += a[j] * row[4 * j];
-  if (g->deep) {
-    const smg_lanes few = sum, none = {0};
-    for (int j = SMG_FEW_ROWS; j < SMG_HISTORY - 1; ++j) sum += a[j] * row[4 * j];
-    sum = smg_lane_select((smg_lane_mask)(a[SMG_FEW_ROWS] != none), sum, few);
-  }
-  sum += a[1] * row[4];
-  return sum + a[0] * row[0];
+  for (int j = SMG_HISTORY - 3; j >= 0; --j)
+    for (int i = 0; i < 4; ++i) sum[i] += a[j] * row[4 * j + i];
+  g->next.u = smg_lane_vec_of(sum[0], sum[1], sum[2]);
+  g->next.q = sum[3];
 }
 
 /* smg_sphere_degree() in the lanes `due`. */
@@ -126,11 +120,7 @@ SMG_INLINE void smg_lanes_finish(smg_group *g) {
 
 /* In three parts, each short enough that a processor works on several groups at once. */
 static void smg_groups_step(smg_group *g, int groups) {
-  for (int k = 0; k < groups; ++k) {
-    g[k].next.u =
-        smg_lane_vec_of(smg_lanes_predicted(g + k, 0), smg_lanes_predicted(g + k, 1), smg_lanes_predicted(g + k, 2));
-    g[k].next.q = smg_lanes_predicted(g + k, 3);
-  }
+  for (int k = 0; k < groups; ++k) smg_lanes_predict(g + k);
   for (int k = 0; k < groups; ++k)
     g[k].next = smg_lane_sphere_newton(g[k].c, smg_lane_vec_load(g[k].w), g[k].next.u, g[k].next.q);
   for (int k = 0; k < groups; ++k) smg_lanes_finish(g + k);

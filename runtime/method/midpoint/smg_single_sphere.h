@@ -50,21 +50,15 @@ static const smg_real smg_sphere_weights[SMG_HISTORY][4 * SMG_HISTORY] = {
     {10,   10,   10,   10,   -45, -45, -45, -45, 120, 120, 120, 120, -210, -210, -210, -210, 252, 252, 252, 252,
      -210, -210, -210, -210, 120, 120, 120, 120, -45, -45, -45, -45, 10,   10,   10,   10,   -1,  -1,  -1,  -1}};
 
-/* Rows beyond these have weights in polynomials of high degree alone. */
-#define SMG_FEW_ROWS 7
-
 /* The polynomial of least error through the last increments, one step on; the sum over all but the two newest rows
  * is ready before they are. */
 SMG_INLINE smg_vec smg_sphere_predict(smg_state *s, smg_real *q) {
   const smg_real *row = s->rows + 4 * s->row, *a = smg_sphere_weights[s->degree];
   smg_real sum[4];
-  for (int i = 0; i < 4; ++i) sum[i] = a[4 * (SMG_FEW_ROWS - 1) + i] * row[4 * (SMG_FEW_ROWS - 1) + i];
+  for (int i = 0; i < 4; ++i) sum[i] = a[4 * (SMG_HISTORY - 2) + i] * row[4 * (SMG_HISTORY - 2) + i];
   SMG_UNROLL
-  for (int j = SMG_FEW_ROWS - 2; j >= 2; --j)
+  for (int j = SMG_HISTORY - 3; j >= 2; --j)
     for (int i = 0; i < 4; ++i) sum[i] += a[4 * j + i] * row[4 * j + i];
-  if (s->degree >= SMG_FEW_ROWS)
-    for (int j = SMG_FEW_ROWS; j < SMG_HISTORY - 1; ++j)
-      for (int i = 0; i < 4; ++i) sum[i] += a[4 * j + i] * row[4 * j + i];
   smg_copy(s->older, sum, 4);
   *q = (s->older[3] + a[4] * row[7]) + a[0] * row[3];
   return smg_vec_of((s->older[0] + a[4] * row[4]) + a[0] * row[0], (s->older[1] + a[4] * row[5]) + a[0] * row[1],

@@ -107,9 +107,10 @@ SMG_INLINE smg_test smg_sphere_confirmed(smg_vec d, smg_vec W, smg_vec v) {
 
 SMG_INLINE smg_test smg_sphere_small(smg_number size) { return smg_less(size, smg_of(SMG_SMALL)); }
 
-/* Is the step done by one iteration and one evaluation? */
+/* Is the step done by one iteration and one evaluation? What a small change of u left, its square, is far below
+ * round-off: one that is left near a zero of W is that of u. */
 SMG_INLINE smg_test smg_sphere_done(smg_found f, smg_iterate n) {
-  return smg_sphere_settled(smg_vec_sub(f.v, n.u), f.W) SMG_AND smg_clear_of_branches(n.det)
+  return smg_sphere_confirmed(smg_vec_sub(f.v, n.u), f.W, f.v) SMG_AND smg_clear_of_branches(n.det)
       SMG_AND smg_sphere_small(n.size) SMG_AND smg_at_most(f.residual, smg_of(SMG_MAX));
 }
 
