@@ -21,6 +21,8 @@ KEPT = 300          # entries that are kept; the ones unused longest go first
 LEFT = 86400        # seconds after which a log of a compiler, or what a killed process was building, goes
 RECENT = 3600       # seconds since its last use in which an entry stays: a process may be about to load it
 SEAL = "sha256"     # the file with the digest of the others
+TICK = 10 ** 9      # ns
+_whole: dict = {}   # entries that this process has found as they were made -> their marks then: a digest takes as long as ten thousand steps of a body
 
 
 def cache_folder() -> Path:
@@ -75,10 +77,26 @@ def whole(place: Path) -> bool:
     if not os.path.lexists(place):
         return False
     with contextlib.suppress(OSError):
-        if not place.is_symlink() and not shared(place) and (place / SEAL).read_bytes() == digest_of(place):
-            return True
+        if not place.is_symlink() and not shared(place):
+            marks = marks_of(place)
+            if _whole.get(place) == marks:
+                return True
+            if (place / SEAL).read_bytes() == digest_of(place):
+                _whole[place] = marks if settled(marks) else None
+                return True
     warnings.warn(f"{place} is damaged or writable by other users, and is rebuilt")
     return False
+
+
+def marks_of(place: Path) -> list:
+    """What changes when any file of a folder does, as long as nobody sets the clock: names, sizes, nodes, times."""
+    found = [(file.name, file.stat(follow_symlinks=False)) for file in os.scandir(place)]
+    return sorted((name, one.st_size, one.st_ino, one.st_mtime_ns, one.st_ctime_ns) for name, one in found)
+
+
+def settled(marks: list) -> bool:
+    """Would a change from now on have another time? Clocks of files go by ticks of some ms."""
+    return all(one[-1] < time.time_ns() - TICK for one in marks)
 
 
 def digest_of(place: Path) -> bytes:

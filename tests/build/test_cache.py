@@ -3,7 +3,7 @@ import os
 
 import pytest
 import smidgen
-import smidgen.build.cache
+from smidgen.build import cache
 from smidgen.build.cache import SEAL, cache_folder, entry, lock
 
 pytestmark = pytest.mark.quick
@@ -62,6 +62,18 @@ def test_what_is_not_as_it_was_made_is_made_again(damage):
     with pytest.warns(UserWarning, match="damaged or writable by other users"):
         found, count = made()
     assert count == 1 and (found / "a.so").read_bytes() == b"library" and made()[1] == 0
+
+
+def test_a_digest_is_taken_once_and_again_after_a_change(monkeypatch):
+    """In one process, of an entry whose files are so old that a change would have another time."""
+    place, asked, digest = made()[0], [], cache.digest_of
+    monkeypatch.setattr(cache, "digest_of", lambda place: asked.append(place) or digest(place))
+    assert [made()[1] for _ in range(2)] == [0, 0] and len(asked) == 2
+    monkeypatch.setattr(cache, "TICK", 0)
+    assert [made()[1] for _ in range(3)] == [0, 0, 0] and len(asked) == 3
+    flip(place / "a.so")
+    with pytest.warns(UserWarning, match="damaged"):
+        assert made()[1] == 1
 
 
 def flip(path):

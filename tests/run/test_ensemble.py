@@ -391,6 +391,13 @@ def test_what_does_not_fit_is_refused(given, said):
         smidgen.ensemble(SPECS["pulsed"], **given)
 
 
+def test_fused_operations_change_the_last_bits_alone():
+    spec, w = SPECS["free_rigid_body"], points(40)
+    found, plain = (smidgen.ensemble(spec, start=w, h=0.1, steps=100, fast=fast) for fast in (True, False))
+    assert found.lanes == plain.lanes
+    assert np.abs(found.w - plain.w).max() < 1e-12 and (plain.lanes < 8 or found.w.tobytes() != plain.w.tobytes())
+
+
 def test_limits_of_an_ensemble(monkeypatch):
     monkeypatch.setattr(limits, "MEMBERS", 4)
     smidgen.ensemble(SPECS["pulsed"], start=points(4), h=0.1, steps=1)

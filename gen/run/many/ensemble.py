@@ -31,6 +31,7 @@ from ..step.status import NO_MEMORY, STATUS, Status
 from ..settings import number, settle, whole
 
 BLOCK, LEAST = 256, 32      # members that one call steps: few enough to share out and to stop between, at least some registers full
+FIRST = 4096                # steps of sites in the first call of a thread, before it knows how long they take: some ms, of slow ones 0.1 s
 MEMORY = 2 ** 31            # bytes of outputs
 OUTPUTS = ("states", "energy")
 
@@ -68,7 +69,7 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
              solver: str | None = None, h: float | str | None = None, steps: int | None = None, time: float | str | None = None,
              every: int | None = None, what: Iterable[str] | None = None, effects: Iterable[str] | None = None,
              parameters: Mapping[str, object] | None = None, seed: int | None = None, native: bool | None = None,
-             tolerance: float | None = None, threads: int | None = None, t0: float = 0.0) -> Ensemble:
+             tolerance: float | None = None, fast: bool = False, threads: int | None = None, t0: float = 0.0) -> Ensemble:
     """Run a model from many starts, or with many values of its parameters, and return an Ensemble.
 
     Arguments that are not given are taken from the run in the spec. Those not listed here are as for `run`; formulas take the parameters
@@ -80,13 +81,14 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     :param what: "states", "energy" or both; at the end, or at the start and every `every` steps.
     :param every: the number of steps between outputs.
     :param native: whether to compile for this processor; None: if members are stepped side by side in vector registers.
+    :param fast: like `native`, and with fused multiply-add instructions, which change the last bits.
     :param seed: the seed of a random start and of thermal noise, which is different for each member: `start(..., seed=seed, member=k)`.
     :param threads: the number of threads; by default one per processor.
     :param t0: the time of the start.
     :raises UsageError: for an argument that does not fit.
     :raises MissingTool: if there is no C compiler. BuildError if it fails; RunError if there is not enough memory.
 
-    Each member has the same bits as if it were run alone. A member that cannot start, or whose step fails, keeps its state and is listed
+    Each member has the same bits as if it were run alone (with `fast`: other last bits). A member that cannot start, or whose step fails, keeps its state and is listed
     in `failures`; the others continue.
     """
     parameters, given = dict(parameters or {}), start if isinstance(start, str) or start is None else _stacked(start)
@@ -94,11 +96,11 @@ def ensemble(spec: SpecLike, run: str | None = None, *, start: str | np.ndarray 
     members = _members(None if given is None or isinstance(given, str) else given, own)
     first = {**parameters, **{name: np.asarray(value)[0] for name, value in own.items()}}
     s = settle(spec, run, start=given if isinstance(given, str) else None, seed=seed, method=method, solver=solver, h=h, steps=steps, time=time,
-               every=1 if every is None else every, what=(), effects=effects, parameters=first, tolerance=tolerance)
+               every=1 if every is None else every, what=(), effects=effects, parameters=first, tolerance=tolerance, fast=fast)
     prepared = s.prepared(spec)
     noise = noise_of(prepared.scene, s.h, seed)
     w = _states(prepared, s.start if given is None else given, own, members, seed)
-    built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), plan=prepared.plan)
+    built = build_library(prepared.scene, s.method, s.solver, "double", native, ("ensemble",), fast=s.fast, plan=prepared.plan)
     rows = _rows(s.steps, None if every is None else s.every)
     stepped = Stepped(prepared, built, own, w, number(float(t0), {}, "t0"), s.h, checked_tolerance(s.tolerance), _threads(threads), noise)
     try:
@@ -190,7 +192,7 @@ class Stepped:
 
     def advance_block(self, first: int, left: int) -> None:
         if not hasattr(self.pace, "own"):
-            self.pace.own = Pace()
+            self.pace.own = Pace(max(1, FIRST // (self.block * self.w.shape[1])))
         members = min(self.block, self.members - first)
         while left > 0 and not self.stop.is_set():
             asked = min(left, self.pace.own.size)

@@ -11,8 +11,8 @@ PATIENCE = 0.05         # seconds in C at most
 class Pace:
     """How many steps fit in PATIENCE seconds, from those before; the same on all ranks."""
 
-    def __init__(self):
-        self.size, self.seconds = 1, 0.0
+    def __init__(self, first: int = 1):
+        self.size, self.seconds = first, 0.0
         self.patience = PATIENCE * (ranks.PATIENCE if ranks.count() > 1 else 1)
 
     def timed(self, advance, asked: int) -> int:
