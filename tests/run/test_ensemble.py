@@ -391,6 +391,7 @@ def test_what_does_not_fit_is_refused(given, said):
         smidgen.ensemble(SPECS["pulsed"], **given)
 
 
+@pytest.mark.usefixtures("as_shipped")
 def test_fused_operations_change_the_last_bits_alone():
     spec, w = SPECS["free_rigid_body"], points(40)
     found, plain = (smidgen.ensemble(spec, start=w, h=0.1, steps=100, fast=fast) for fast in (True, False))
