@@ -112,8 +112,8 @@
 #define SMG_WEIGHT_3 0
 #endif
 /* A library is compiled in two units side by side: steps of all sites (smg_step.h) in the second; rows, few sites in
- * lanes and the interface in the first; energies, observables and the end of a step (smg_row_commit.h) in the second
- * where there are rows. A program has all in one: SMG_UNIT is 0. */
+ * lanes and the interface in the first; energies and observables in the second where there are rows. A program has all
+ * in one: SMG_UNIT is 0. */
 #if SMG_UNIT
 #define SMG_LINKED __attribute__((visibility("hidden")))
 #else

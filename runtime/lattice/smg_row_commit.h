@@ -107,7 +107,7 @@ SMG_INLINE void smg_go_on_by(const smg_row_going go, smg_share part, int terms) 
   }
 }
 
-#if SMG_UNIT == 1
+#if SMG_UNIT == 2
 SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part);
 #else
 SMG_LINKED void smg_go_on(const smg_row_going go, smg_share part) {

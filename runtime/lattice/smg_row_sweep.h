@@ -238,14 +238,13 @@ SMG_INLINE void smg_turn_part(const smg_state *s, smg_besides *known, smg_turnin
 SMG_LINKED void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
                                     const smg_row_pass pass, smg_share part, smg_row_motion *motion);
 #else
-/* The first sweep; those that follow it; with a look at small components; and with rho by its root: each by a copy of
- * its own, in which the compiler knows the way. The largest function of a step by rows, so only one unit has it. */
+/* Most passes by a copy of their own, in which the compiler knows the way; the first ones, and those that look at small
+ * components, by another. The largest function of a step by rows, so only one unit has it. */
 SMG_LINKED void smg_turn_some_slots(const smg_state *s, smg_besides *known, const smg_turning *turn,
                                     const smg_row_pass pass, smg_share part, smg_row_motion *motion) {
-  if (pass.way == SMG_BY_ROOT) smg_turn_part(s, known, *turn, pass, part, SMG_BY_ROOT, 0, motion);
-  else if (pass.way == SMG_FROM_FIELD) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_FIELD, 0, motion);
-  else if (pass.small) smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 1, motion);
-  else smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
+  if (pass.way == SMG_FROM_BEFORE && !pass.small)
+    smg_turn_part(s, known, *turn, pass, part, SMG_FROM_BEFORE, 0, motion);
+  else smg_turn_part(s, known, *turn, pass, part, pass.way, pass.small, motion);
 }
 #endif
 

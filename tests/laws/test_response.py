@@ -186,7 +186,7 @@ def test_the_tangent_map_is_the_derivative_of_the_step(name, solver):
 def test_members_of_an_ensemble_have_the_bits_that_they_have_alone(name, method, monkeypatch):
     """Those of a single sphere in lanes."""
     spec = spec_of(name)
-    monkeypatch.setattr(import_module("smidgen.run.many.ensemble"), "build_library", lambda scene, method, solver, real, native, features, plan: library(scene, LAW.response(), method, solver, real, native, features))
+    monkeypatch.setattr(import_module("smidgen.run.many.ensemble"), "build_library", lambda scene, method, solver, real, native, features, plan, fast=False: library(scene, LAW.response(), method, solver, real, native, features))
     sites, rng = (1 if name == "body" else 4), np.random.default_rng(2)
     starts = rng.normal(size=(20, sites, 3))
     starts /= lengths(starts)[..., None]

@@ -80,7 +80,7 @@ def emitted(spec: Spec, plan: Plan, features, contributions=None) -> Files:
                    f"{M}.c": render("model.c.j2", **source_slots(model, kept), interface=render("interface.c.j2", **interface_slots(model, M, values)), **said),
                    f"{M}_abi.c": render("abi.c.j2", **abi_slots(model, M))})
     files.notes = {"method": plan.method, "solver": plan.solver, "reason": model.plan.reason + f"; site by site, because {model.by_site}" * bool(model.by_site),
-                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "units": units(model), "threads": by_threads(model.plan, model.method), "ranks": by_ranks(model.plan, model.method)}
+                   "local": list(plan.local), "coupled": list(plan.coupled), "lanes": most_lanes(model) > 0, "units": units(model), "rows": model.plan.layout == "rows", "threads": by_threads(model.plan, model.method), "ranks": by_ranks(model.plan, model.method)}
     files.most = {**asdict(step), "model": model_bytes(slots), "state": state_bytes(slots),
                   "memory": array_bytes(model, {p.name: p.default for p in spec.parameters if p.kind == "int" and p.default is not None})}
     return files
