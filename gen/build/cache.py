@@ -1,4 +1,4 @@
-"""The folder of compiled libraries: ours alone, locked while one is made, each checked before it is used.
+"""The folder of compiled libraries: ours alone, locked while one is made, each checked before a process uses it for the first time, and again if it has changed.
 
 What lies there is loaded and run. So the folder must be one that nobody else can write, and every
 entry holds the sha256 of its files, taken when it was made: a bit that flips on the disk is found.
@@ -9,6 +9,7 @@ import contextlib
 import hashlib
 import os
 import shutil
+import stat
 import tempfile
 import time
 import warnings
@@ -78,11 +79,11 @@ def whole(place: Path) -> bool:
         return False
     with contextlib.suppress(OSError):
         if not place.is_symlink() and not shared(place):
-            marks = marks_of(place)
-            if _whole.get(place) == marks:
+            key, now, marks = place.absolute(), time.time_ns(), marks_of(place)
+            if _whole.get(key) == marks:
                 return True
-            if (place / SEAL).read_bytes() == digest_of(place):
-                _whole[place] = marks if settled(marks) else None
+            if plain_files(marks) and (place / SEAL).read_bytes() == digest_of(place):
+                _whole[key] = marks if settled(marks, now) else None
                 return True
     warnings.warn(f"{place} is damaged or writable by other users, and is rebuilt")
     return False
@@ -91,12 +92,17 @@ def whole(place: Path) -> bool:
 def marks_of(place: Path) -> list:
     """What changes when any file of a folder does, as long as nobody sets the clock: names, sizes, nodes, times."""
     found = [(file.name, file.stat(follow_symlinks=False)) for file in os.scandir(place)]
-    return sorted((name, one.st_size, one.st_ino, one.st_mtime_ns, one.st_ctime_ns) for name, one in found)
+    return sorted((name, one.st_mode, one.st_size, one.st_dev, one.st_ino, one.st_mtime_ns, one.st_ctime_ns) for name, one in found)
 
 
-def settled(marks: list) -> bool:
-    """Would a change from now on have another time? Clocks of files go by ticks of some ms."""
-    return all(one[-1] < time.time_ns() - TICK for one in marks)
+def plain_files(marks: list) -> bool:
+    """No links: what they lead to may change while they stay."""
+    return all(stat.S_ISREG(one[1]) for one in marks)
+
+
+def settled(marks: list, now: int) -> bool:
+    """Would a change from `now` on (ns) have another time? Clocks of files go by ticks of some ms."""
+    return all(one[-1] < now - TICK for one in marks)
 
 
 def digest_of(place: Path) -> bytes:

@@ -249,7 +249,7 @@ SMG_LANE_FUNCTION_2(pow)
 #undef SMG_LANE_FUNCTION_2
 
 /* The larger of a and b, and the largest lane, where none is negative, by their bits, which are in their order,
- * infinity and NaN last: without a branch; of halves, as they are in registers. */
+ * infinity and NaN last: without a branch; the largest lane of the two halves of a register, then of their halves. */
 #if SMG_LANES == 1
 SMG_INLINE smg_real smg_lane_largest(smg_lanes a) { return a; }
 SMG_INLINE smg_lanes smg_lane_more(smg_lanes a, smg_lanes b) { return b > a || b != b ? b : a; }

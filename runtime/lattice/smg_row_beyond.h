@@ -15,8 +15,6 @@
 #include "smg_row_follow.h"
 #include "smg_row_weights.h"
 
-#define SMG_BEYOND_ROUNDS 4 /* ends that solve nothing */
-
 /* 1/s of the slots of one vector, whose gradient is g; 0 in empty ones. */
 SMG_INLINE smg_lanes smg_own_slope(const smg_turning turn, int64_t slot, const smg_lanes *m, const smg_lanes *g) {
   smg_lanes w[3];
@@ -71,7 +69,9 @@ static int smg_show_rows(smg_state *s, smg_beyond *a) {
     }
   }
   a->slope = slope;
-  return smg_row_solved(s, SMG_MATH(sqrt)(most));
+  a->left -= SMG_COLOURS; /* an evaluation of all sites is worth a sweep */
+  return smg_row_solved(s, SMG_MATH(sqrt)(most),
+                        smg_max(smg_left_by_sweeps(s), 2 / (1 - smg_min(a->ratio, 1 - SMG_EPS))));
 }
 
 /* Are they on the branch? By the bound at the solution. */
@@ -94,7 +94,7 @@ static void smg_increments_to_sites(smg_state *s) { smg_each_slot(&s->c, s, smg_
 
 /* Sweeps, while they settle soon, with the increments that they leave; do these solve the step? */
 static int smg_solve_beyond(smg_state *s, smg_beyond *a) {
-  for (int round = 0; round < SMG_BEYOND_ROUNDS && smg_settle_beyond(s, a, 0); ++round)
+  while (smg_settle_beyond(s, a, smg_allowed(s) / 2)) /* W moves by twice as much as midpoints */
     if (smg_show_rows(s, a)) return 1;
   return 0;
 }

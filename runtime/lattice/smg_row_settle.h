@@ -6,12 +6,12 @@
 #include "smg_swept.h"
 
 #define SMG_BEYOND_SWEEPS 120 /* before the branch is followed */
-/* sweeps after which it is asked whether so many will be enough */
+/* sweeps after which it is asked whether those that are left will be enough */
 #define SMG_BEYOND_PATIENCE 20
-/* Of a change of midpoints, the part by which a relaxed sweep moves them. Sweeps whose errors change sign, or turn,
- * from one to the next need fewer of these, and converge with them where the others do not: an eigenvalue l of a sweep
- * over two colours becomes p with (p + o - 1)^2 = o^2 l p (Young, Trans. Amer. Math. Soc. 76, 1954), l = -1 two of the
- * size 0.2. Behind a fold, where l > 1, p > 1 too. */
+/* Of a change of midpoints, the part by which a relaxed sweep moves them. Where errors change sign, or turn, from
+ * one sweep to the next, relaxed sweeps converge faster, and may converge where the others do not: an eigenvalue l of a
+ * sweep over two colours becomes p with (p + o - 1)^2 = o^2 l p (Young, Trans. Amer. Math. Soc. 76, 1954); l = -1
+ * becomes two of modulus 0.2. Beyond a fold, where l > 1, p > 1 too. */
 #define SMG_RELAXED (smg_real)0.8
 /* of the largest ratio of two changes, what counts in the next pass */
 #define SMG_FADING (smg_real)0.9
@@ -66,7 +66,8 @@ static void smg_pass_beyond(smg_state *s, smg_beyond *a) {
   smg_take_pass(s, pass, &moved, sweep);
   ++a->passes;
   --a->left;
-  a->ratio = smg_max(SMG_FADING * a->ratio, sweep->recent[pass.colour] / before);
+  const smg_real now = sweep->recent[pass.colour];
+  a->ratio = smg_max(SMG_FADING * a->ratio, before > 0 ? now / before : now > 0);
 }
 
 /* How far sweeps will still move midpoints; SMG_MAX where that is not known yet. */
@@ -76,14 +77,14 @@ static inline smg_real smg_left_beyond(const smg_beyond *a) {
 }
 
 /* Are the passes that are left too few for sweeps to come to rest? By what the second half of the first ones does. */
-static int smg_late_beyond(const smg_state *s, smg_beyond *a) {
+static int smg_late_beyond(const smg_state *s, smg_beyond *a, smg_real goal) {
   const int64_t few = SMG_BEYOND_PATIENCE * SMG_COLOURS;
   smg_real left = a->sweep.whole.now;
   if (a->sweep.passes == few / 2) a->early = left;
   if (a->sweep.passes != few) return 0;
-  const smg_real ratio = left / a->early;
-  for (int64_t n = a->left; n > 0 && left > SMG_EPS * s->scale; n -= few / 2) left *= ratio;
-  return left > SMG_EPS * s->scale;
+  const smg_real ratio = left / a->early, rest = smg_max(goal, SMG_EPS * s->scale);
+  for (int64_t n = a->left; n > 0 && left > rest; n -= few / 2) left *= ratio;
+  return left > rest;
 }
 
 /* Sweeps to rest, or until they are as near to it as `goal`; 0 if they do not get there, or if a sweep moves midpoints
@@ -97,8 +98,8 @@ static int smg_settle_beyond(smg_state *s, smg_beyond *a, smg_real goal) {
     if (sweep->passes > 2 * SMG_COLOURS && sweep->whole.now > before && sweep->whole.now > SMG_NEARLY * s->scale)
       a->grew = 1;
     if (a->left < 0 || (sweep->passes >= SMG_COLOURS && !(sweep->whole.now <= a->most))) return 0;
-    if (smg_late_beyond(s, a)) return 0;
-  } while (sweep->passes < SMG_COLOURS || !(smg_left_beyond(a) <= goal || smg_rows_settled(s, sweep)));
+    if (smg_late_beyond(s, a, goal)) return 0;
+  } while (sweep->passes < SMG_COLOURS || !(smg_left_beyond(a) <= goal || smg_rows_at_rest(sweep, s->scale)));
   return 1;
 }
 

@@ -18,11 +18,12 @@ static void smg_settle_rows(smg_state *s, smg_besides *known, const smg_turning 
   } while (sweep->passes < SMG_COLOURS || (sweep->passes < SMG_ROW_PASSES && !smg_rows_settled(s, sweep)));
 }
 
-/* Is a residual of w + u/2 - rho m round-off? Or is what W leaves within the tolerance? */
-static int smg_row_solved(smg_state *s, smg_real residual) {
+/* Is a residual of w + u/2 - rho m round-off? Or is the error of W, at most `left` times as large, within the
+ * tolerance? */
+static int smg_row_solved(smg_state *s, smg_real residual, smg_real left) {
   s->report.residual = residual;
   if (smg_swept_to_round_off(residual, s->scale)) return 1;
-  s->report.residual = smg_left_by_sweeps(s) * residual;
+  s->report.residual = left * residual;
   return smg_tolerated(s, s->report.residual);
 }
 
@@ -39,7 +40,7 @@ static int smg_end_rows(smg_state *s, smg_besides *known, const smg_turning *tur
     SMG_ONE_BY_ONE smg_take(&most, smg_lane_largest(squares));
   }
   smg_largest_of_ranks(&most, &most);
-  return smg_row_solved(s, SMG_MATH(sqrt)(most));
+  return smg_row_solved(s, SMG_MATH(sqrt)(most), smg_left_by_sweeps(s));
 }
 
 /* The slot in blocks of the site that by rows has this one; b is NULL where there are none. */
@@ -137,7 +138,9 @@ static smg_status smg_solve_rows(smg_state *s, smg_besides *known, smg_real h, i
   int solved = 0;
   smg_begin_sweeping(&sweep);
   if (!smg_wave_pays(s, &wave)) smg_begin_rows(s);
-  else solved = smg_sweep_in_wave(s, known, &turn, &wave, &sweep) && smg_row_solved(s, SMG_MATH(sqrt)(sweep.residual));
+  else
+    solved = smg_sweep_in_wave(s, known, &turn, &wave, &sweep) &&
+             smg_row_solved(s, SMG_MATH(sqrt)(sweep.residual), smg_left_by_sweeps(s));
   for (int round = 0; !solved && sweep.passes < SMG_ROW_PASSES; ++round) {
     smg_settle_rows(s, known, &turn, &sweep);
     solved = smg_end_rows(s, known, &turn, &sweep);

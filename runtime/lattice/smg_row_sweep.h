@@ -381,11 +381,15 @@ SMG_INLINE void smg_take_pass(const smg_state *s, const smg_row_pass pass, const
     sweep->near = sweep->passes;
 }
 
-/* Have they come to rest, or is W, which moves by twice as much as midpoints, within the tolerance? */
+/* Have they come to rest? */
+static inline int smg_rows_at_rest(const smg_row_sweeping *sweep, smg_real scale) {
+  return smg_rest_settled(&sweep->whole, SMG_EPS * scale) && smg_rest_settled(&sweep->part, SMG_EPS);
+}
+/* Have they, or is W, which moves by twice as much as midpoints, within the tolerance? */
 static inline int smg_rows_settled(const smg_state *s, const smg_row_sweeping *sweep) {
   if (sweep->passes < SMG_COLOURS) return 0;
   if (s->tolerance > 0 && smg_tolerated(s, smg_left_by_sweeps(s) * sweep->whole.rate * sweep->whole.now)) return 1;
-  return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale) && smg_rest_settled(&sweep->part, SMG_EPS);
+  return smg_rows_at_rest(sweep, s->scale);
 }
 
 #endif

@@ -1,9 +1,9 @@
 /* smidgen method: the step of a composition of a single sphere (smg_composition.h) for many states at once
  * (smg_lane_batch.h), one a lane, each with the bits that it has alone.
  *
- * The stages of a step go through smg_lane_newton.h one after the other. A lane of which a stage is not for lanes goes
- * on for nothing up to the end of the step, and is then put back to where the step began: smg_step() takes it. So are
- * steps taken while the history is not full. */
+ * The stages of a step go through smg_lane_newton.h one after the other. A lane with a stage that
+ * lanes cannot solve continues to the end of the step, its results unused, and is then put back to where the step
+ * began: smg_step() takes it. So are steps taken while the history is not full. */
 #ifndef SMG_LANE_COMPOSITION_H
 #define SMG_LANE_COMPOSITION_H
 

@@ -10,8 +10,8 @@
 
 #if SMG_LANES > 1
 
-/* one waits for its arithmetic, one steps; with three, histories and all else leave too little of a nearest cache of 32
- * KB */
+/* While the results of one are awaited, the other steps. With three, histories and all else leave too little of a
+ * first-level cache of 32 KB. */
 #define SMG_GROUPS 2
 enum { SMG_TIMES = 1, SMG_TABLES = SMG_GROUPS };
 /* rows of history before they are moved back: more leave the nearest cache, fewer are moved more often */

@@ -14,8 +14,8 @@
 #define SMG_KRYLOV_SHORT 10
 #define SMG_KRYLOV_WHOLE 20000  /* with the long basis 10 MB of doubles */
 #define SMG_KRYLOV_PRODUCTS 400 /* products before a system is given up; half or twice: nothing changes */
-/* products that the iterations of a step may take together: with 200 sweeps before, 60 Newton iterations and what one
- * more basis or Lanczos takes, fewer than 1000 evaluations of all sites. The curve, and tangent maps, have no such
+/* products that the iterations of a step may take together: with the sweeps before, 60 Newton iterations and what one
+ * more basis or Lanczos takes, some 1500 evaluations of all sites at most. The curve, and tangent maps, have no such
  * bound */
 #define SMG_KRYLOV_A_STEP 600
 #define SMG_KRYLOV_LEFT (1000 * SMG_EPS) /* of b, that round-off may leave */

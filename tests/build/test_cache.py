@@ -64,6 +64,16 @@ def test_what_is_not_as_it_was_made_is_made_again(damage):
     assert count == 1 and (found / "a.so").read_bytes() == b"library" and made()[1] == 0
 
 
+def test_what_changes_behind_a_link_is_seen(tmp_path):
+    """The seal of a link to the same bytes is right, but its target may change while the link stays."""
+    path = made()[0] / "a.so"
+    path.rename(tmp_path / "elsewhere")
+    path.symlink_to(tmp_path / "elsewhere")
+    with pytest.warns(UserWarning, match="damaged"):
+        assert made()[1] == 1
+    assert not path.is_symlink() and made()[1] == 0
+
+
 def test_a_digest_is_taken_once_and_again_after_a_change(monkeypatch):
     """In one process, of an entry whose files are so old that a change would have another time."""
     place, asked, digest = made()[0], [], cache.digest_of

@@ -135,7 +135,7 @@ random = 4
 
 @pytest.mark.parametrize("method", ["spherical-midpoint", pytest.param("classical-midpoint", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("optimised_here")
-def test_iterations_end_after_some_thousand_evaluations(method, monkeypatch, tmp_path):
+def test_iterations_end_after_fifteen_hundred_evaluations(method, monkeypatch, tmp_path):
     """Sweeps, two tries of Newton with GMRES, and the ends of steps together, near the largest steps that there are: without a bound up to 3249 of them."""
     plant(monkeypatch, tmp_path, COUNTED)
     model, found = smidgen.build(smidgen.load_text(SQUARE), method=method), []
@@ -144,4 +144,4 @@ def test_iterations_end_after_some_thousand_evaluations(method, monkeypatch, tmp
             model.start("a", h=h, seed=seed)
             stepped(model)
             found.append(model.report()["iterations"])
-    assert 600 < max(found) <= 1200, found
+    assert 600 < max(found) <= 1500, found

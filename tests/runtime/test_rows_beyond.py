@@ -125,3 +125,15 @@ def test_where_the_slope_is_small_rho_is_found_by_its_root(flat, make):
     exact = np.sqrt((below + np.hypot(below, 2 * d)) / 2)
     steep = 4 * before**2 - 2 * below < 1
     assert 100 < steep.sum() < 300 and (np.abs(found - exact)[steep] < 1e-12).all() == flat
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, pytest.param(1e-8, marks=pytest.mark.long), pytest.param(1e-12, marks=pytest.mark.long)])
+def test_a_tolerance_saves_sweeps_and_is_met(tolerance):
+    """Where sweeps converge slowly, too; one that took a slow rate for a fast one would end where the residual is too large, and leave the step to Newton's method."""
+    model, found = smidgen.build(smidgen.load_text(SPIRAL + "[starts.s]\nrandom = 1\n")), []
+    angle = 2 * np.pi * np.arange(512) / 8
+    w = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0 * angle], axis=1) + 0.02 * np.random.default_rng(2).standard_normal((512, 3))
+    for allowed in (None, tolerance):
+        model.start(w / np.linalg.norm(w, axis=1)[:, None], h=0.75, tolerance=allowed)
+        found.append((model.step().report()["iterations"], model.w.copy()))
+    assert 25 < found[1][0] < found[0][0] and np.abs(found[1][1] - found[0][1]).max() <= tolerance
