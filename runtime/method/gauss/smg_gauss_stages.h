@@ -7,10 +7,10 @@
 
 /* ---- arrays ------------------------------------------------------------------------------- */
 
-/* Where the numbers of a site begin: z and what its steps are scaled by, |z|, r = |z|^2 and a size negligible beside
- * it, 1/r, and by how much w is moved by a change of L, and by products, in units of the largest; then what has one number
- * for every stage: h b_i/(2 kappa), the change of L_i in the last sweep, the four components of L_i, and of the L_i
- * before. */
+/* Where the numbers of a site begin: z and what its steps are scaled by, |z|, r = |z|^2 and a size negligible
+ * beside it, 1/r, and by how much w is moved by a change of L, and by products, in units of the largest; then what
+ * has one number for every stage: h b_i/(2 kappa), the change of L_i in the last sweep, the four components of L_i,
+ * and of the L_i before. */
 enum {
   SMG_OWN_Z = 0,
   SMG_OWN_SIZE = 4,
