@@ -37,8 +37,8 @@
 /* |g|^2 up to which |v|^2/r^2 is within 0.0215 of 1, with what a rho off by 1e-4 adds: smg_lane_inverse_root_near_1, to
  * the digits of double. */
 #define SMG_ROW_WEAK (SMG_EPS < (smg_real)1e-16 ? 0 : (smg_real)0.0104)
-/* increments kept: with them a spin has at most 160 bytes, 216 where all colours keep them; of compositions those of
- * all stages that their predictor looks back on, with spare arrays for a step that fails */
+/* increments kept: with them a spin has at most 160 bytes beside tables, 216 where all colours keep them; of
+ * compositions those of all stages that their predictor looks back on, with spare arrays for a step that fails */
 #if SMG_COMPOSED
 #define SMG_ROW_HISTORY SMG_HISTORY
 #define SMG_ROW_SPARE (SMG_COMPOSED < SMG_HISTORY ? SMG_COMPOSED : SMG_HISTORY)
