@@ -51,6 +51,9 @@
 #ifndef SMG_RANKS
 #define SMG_RANKS 1
 #endif
+#ifndef SMG_COLOURS_MEET
+#define SMG_COLOURS_MEET 0
+#endif
 #ifndef SMG_TURN_0
 #define SMG_TURN_0 0
 #endif

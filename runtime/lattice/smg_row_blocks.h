@@ -58,7 +58,7 @@ static int smg_in_blocks(SMG_UNUSED const smg_coefficients *c, SMG_UNUSED smg_bl
 #if defined(SMG_MPI)
   return 0;
 #else
-  return SMG_BLOCKS && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_meet_at_seam(c) &&
+  return SMG_BLOCKS && smg_slots(c) == smg_sites(c) && smg_slots(c) <= SMG_BLOCKS_TO && !smg_colours_meet(c) &&
          smg_find_blocks(c, b);
 #endif
 }

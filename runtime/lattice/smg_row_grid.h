@@ -82,7 +82,7 @@ static int smg_grid_fits(const smg_coefficients *c, int64_t ranks) {
     if (smg_grid(d) > 1) first = d;
     all *= smg_grid(d);
   }
-  return all == ranks && smg_cut_at_vectors(c, first) && !SMG_TANGENT && !smg_meet_at_seam(c) && smg_parts_reach(c) &&
+  return all == ranks && smg_cut_at_vectors(c, first) && !SMG_TANGENT && !smg_colours_meet(c) && smg_parts_reach(c) &&
          smg_may_divide(c);
 }
 

@@ -15,7 +15,7 @@
 
 /* Increments are kept of all colours but the first, whose midpoints follow from the others; where its sites meet across
  * a seam, or are all there are, of that one too: the first colour and slot. */
-#define SMG_FIRST_KEPT(c) (SMG_COLOURS == 1 || smg_meet_at_seam(c) ? 0 : 1)
+#define SMG_FIRST_KEPT(c) (SMG_COLOURS == 1 || smg_colours_meet(c) ? 0 : 1)
 #define SMG_KEPT_FROM(c) (SMG_FIRST_KEPT(c) * smg_colour_slots(c))
 
 #if defined(SMG_MPI) && SMG_BY_ROWS && !SMG_ROW_TURNS
@@ -97,7 +97,7 @@ static inline int64_t smg_mpi_unit_of(int64_t layer) {
 static inline int64_t smg_mpi_fit(const smg_coefficients *c, int64_t ranks) {
   const int64_t slots = smg_colour_slots(c), worth = slots / SMG_MPI_SHARE, unit = smg_mpi_unit,
                 far = slots / unit / ((smg_mpi_reach(c) + unit - 1) / unit), most = worth < far ? worth : far;
-  return most <= 1 || SMG_TANGENT || smg_meet_at_seam(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
+  return most <= 1 || SMG_TANGENT || smg_colours_meet(c) || !smg_may_divide(c) ? 1 : most < ranks ? most : ranks;
 }
 
 static void smg_choose_parts(const smg_coefficients *c) {

@@ -186,7 +186,7 @@ static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_status status = SMG_OK;
   smg_besides known;
   smg_begin_call(s, &known);
-  s->row_alone = !SMG_OWN_FIELD && !smg_meet_at_seam(&s->c);
+  s->row_alone = !SMG_OWN_FIELD && !smg_colours_meet(&s->c);
 #if SMG_COMPOSED
   s->stage = 0;
 #endif

@@ -81,7 +81,7 @@ static inline int smg_team_for(smg_share slots, int team) {
 
 /* Threads for the steps of a lattice. */
 static inline int smg_row_team(const smg_coefficients *c) {
-  return smg_meet_at_seam(c) ? 1 : smg_team_for(smg_work_of_rank(c), smg_most_threads());
+  return smg_colours_meet(c) ? 1 : smg_team_for(smg_work_of_rank(c), smg_most_threads());
 }
 
 #endif

@@ -88,7 +88,7 @@ static int smg_wave_pays(const smg_state *s, smg_row_wave *wave) {
   if (wave->passes < SMG_COLOURS || wave->passes > SMG_WAVE_PASSES || wave->blocks == 0 ||
       smg_wave_all(&s->c) < SMG_WAVE_FROM)
     return 0;
-  if (SMG_SHARED_BY_RANKS || smg_meet_at_seam(&s->c) || s->row_beside) return 0;
+  if (SMG_SHARED_BY_RANKS || smg_colours_meet(&s->c) || s->row_beside) return 0;
   const int64_t block = vectors / wave->blocks * SMG_WIDEST;
   wave->lag = (s->row_reach + block - 1) / block + (s->row_team > 1);
   wave->later = SMG_RINGS > 0 || SMG_RANKS > 1 ? wave->lag : 0;

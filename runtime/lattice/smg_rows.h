@@ -1,11 +1,12 @@
 /* smidgen runtime: the sites of a lattice in rows, for vectors of lanes.
  *
- * Sites of one colour do not feel each other (gen/compile/plan/colouring.py): a colour is (weights . cell + shift of
- * the place) mod SMG_COLOURS. Along direction 0 a row of the lattice holds every SMG_ROW_STEP-th site of a colour, s0 =
- * first + SMG_ROW_STEP j: every SMG_COLOURS-th, or all of them where the place in the cell alone decides. An array
- * holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after colour, row after row, j after
- * j. Rows have one length; where one has a site less, or is rounded up, its last slots stay empty. So the neighbours of
- * a row of sites lie in a row of slots, and lanes are loaded as they stand, and at the ends of a row from two places.
+ * Sites of one colour do not feel each other unless that takes many colours (gen/compile/plan/colouring.py): a colour
+ * is (weights . cell + shift of the place) mod SMG_COLOURS. Along direction 0 a row of the lattice holds every
+ * SMG_ROW_STEP-th site of a colour, s0 = first + SMG_ROW_STEP j: every SMG_COLOURS-th, or all where the place in the
+ * cell alone decides. An array holds three times smg_pitch numbers, all x, all y, all z, each in slots: colour after
+ * colour, row after row, j after j. Rows have one length; where one has a site less, or is rounded up, its last slots
+ * stay empty. So the neighbours of a row of sites lie in a row of slots, and lanes are loaded as they stand, and at the
+ * ends of a row from two places.
  *
  * In a plane, rows that begin alike follow each other: s1 = 0, SMG_ROW_STEP, .., then 1, SMG_ROW_STEP + 1, .. Their
  * neighbours do so too, at the same distance in slots but for s1 near an end. So such rows are one run of slots, and
@@ -20,8 +21,7 @@
 
 #include <string.h>
 
-/* numbers before the first slot and after the last that vectors reach into: gen/compile/assemble/rows.py keeps bonds so
- * short */
+/* numbers before the first slot and after the last that vectors reach into (colouring.py) */
 #define SMG_BEFORE 8
 #define SMG_AFTER 16
 #define SMG_LONG_ROW 64 /* slots from which a row takes whole vectors: at most an eighth stays empty */
@@ -108,19 +108,20 @@ typedef struct smg_share {
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
-/* Do sites of one colour meet across the seam of a ring that is no multiple of the colours: along one direction, or
- * any? */
+/* Do sites of one colour feel each other? Across the seam of a ring that is no multiple of the colours; or there or
+ * everywhere: those of one piece then turn at once, and use the newest midpoints of others. */
 SMG_INLINE int smg_meet_along(const smg_coefficients *c, int d) {
   return (SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0;
 }
-static inline int smg_meet_at_seam(const smg_coefficients *c) {
-  return smg_meet_along(c, 0) || smg_meet_along(c, 1) || smg_meet_along(c, 2) || smg_meet_along(c, 3);
+static inline int smg_colours_meet(const smg_coefficients *c) {
+  return SMG_COLOURS_MEET || smg_meet_along(c, 0) || smg_meet_along(c, 1) || smg_meet_along(c, 2) ||
+         smg_meet_along(c, 3);
 }
 
 /* From a row of a plane to the next one in memory; at the end of the plane another q begins. */
 SMG_INLINE int64_t smg_plane_step(const smg_coefficients *c, int64_t length) {
   return smg_cells(c, 2) * smg_cells(c, 3) == 1 && length >= SMG_LONG_ROW &&
-                 SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE && !smg_meet_at_seam(c)
+                 SMG_COLOURS * smg_rows(c) * length >= SMG_LARGE_PLANE && !smg_colours_meet(c)
              ? 1
              : SMG_ROW_STEP;
 }
@@ -246,7 +247,6 @@ SMG_INLINE void smg_after_rows(const smg_coefficients *c, int64_t length, int64_
 typedef struct smg_beside {
   int64_t start, around, from, to, there;
 } smg_beside;
-
 #define SMG_EVERYWHERE INT64_MAX
 
 /* In blocks: how many slots what is beside lane 0 of a vector stands from that, SMG_BESIDES of them; where it is not

@@ -1,4 +1,5 @@
 """Colours of a lattice: the first of all in their order, found with bounded work."""
+import dataclasses
 from itertools import islice, product
 from math import gcd
 from types import SimpleNamespace
@@ -10,7 +11,7 @@ import smidgen
 from smidgen.check.witness.splittings import first_rule
 from smidgen.compile.plan import colouring as module
 from smidgen.compile.plan.colouring import FEW_KINDS, KNOWN, LOOKED_AT, MOST_COLOURS, MOST_TRIED, Colouring, Trials
-from smidgen.compile.plan.colouring import colouring, kinds_of_rows
+from smidgen.compile.plan.colouring import colouring, field_colouring, fit, keeps_apart, kinds_of_rows, row_colouring, serves
 from smidgen.language.spec import Lattice
 from smidgen.resources import scenes, shipped
 
@@ -78,6 +79,82 @@ def test_invented_lattices_have_the_first_colouring():
     dice = np.random.default_rng(1)
     for lattice in (invented(dice) for _ in range(60)):
         assert colouring([lattice]) == first_of_all([lattice])
+
+
+# For sweeps by rows
+
+RINGS = {("triangular(n, n)", (64, 100)): 4, ("triangular(n, n)", (64, 50)): 4, ("triangular(n, n)", (66, 99)): 3, ("triangular(n, n)", (64, 49)): 2, ("square(n, n)", (8, 8)): 2, ("square(n, n)", (5, 7)): 2,
+         ("fcc(n, n, n)", (4, 4, 4)): 4, ("fcc(n, n, n)", (5, 4, 4)): 2, ("kagome(n, n)", (6, 6)): 3, ("chain(n, open, 3)", (64,)): 2}
+
+
+@pytest.mark.parametrize("over, sizes", RINGS)
+def test_colours_by_rows_fit_the_rings_or_are_two(over, sizes):
+    found = row_colouring([named(over)], sizes)
+    assert found.colours == RINGS[over, sizes] and keeps_apart(found, [named(over)]) == (found.colours > 2 or colouring([named(over)]).colours == 2)
+
+
+def test_one_direction_has_no_four_in_place_of_three():
+    further = closed(((0, (0,)), (0, (1,))), ((0, (0,)), (0, (2,))))
+    assert [row_colouring([further], [n]) for n in (63, 64)] == [colouring([further]), Colouring(2, (1,), (0,))] and colouring([further]).colours == 3
+
+
+def test_open_directions_have_no_seam():
+    over = named("triangular(n, n)")
+    assert row_colouring([dataclasses.replace(over, periodic=(False, False))], (64, 64)).colours == 3
+    assert row_colouring([dataclasses.replace(over, periodic=(True, False))], (64, 65)).colours == 4
+
+
+def closed(*bonds):
+    return SimpleNamespace(size=(0,) * len(bonds[0][0][1]), sites=1, periodic=(True,) * len(bonds[0][0][1]), bonds=bonds)
+
+
+def shells(squares: int, dimension: int):
+    """All bonds up to a distance."""
+    ends = [o for o in product(range(-6, 7), repeat=dimension) if 0 < sum(n * n for n in o) <= squares and o > (0,) * dimension]
+    return closed(*(((0, (0,) * dimension), (0, end)) for end in ends))
+
+
+def along(reach: int):
+    return closed(*(((0, (0,)), (0, (k,))) for k in range(1, reach + 1)))
+
+
+MANY = {"square, r < 4": (shells(9, 2), 2), "cubic, r < 3": (shells(4, 3), 2), "cubic, r < 5": (shells(16, 3), 2), "chain to 12": (along(12), 2), "chain to 20": (along(20), 3),
+        "of many kinds": (closed(((0, (0, 0, 0)), (0, (1, 0, 0))), ((0, (0, 0, 0)), (0, (1, 11, 11))), ((0, (0, 0, 0)), (0, (1, 10, 11)))), 1)}
+
+
+@pytest.mark.parametrize("name", MANY)
+def test_lattices_with_many_neighbours_go_by_rows(name):
+    """Where no eight colours keep bonds apart, or rows would be of too many kinds."""
+    some, colours = MANY[name]
+    found = row_colouring([some], (48,) * len(some.size))
+    assert found.colours == colours and serves(found, [some]) and not keeps_apart(found, [some])
+
+
+def test_invented_rings_have_colours_that_serve():
+    dice, kinds_of = np.random.default_rng(2), set()
+    for _ in range(300):
+        one = invented(dice)
+        lattice = SimpleNamespace(size=one.size, sites=one.sites, bonds=one.bonds, periodic=tuple(dice.integers(2, size=len(one.size)) > 0))
+        sizes = [int(n) for n in dice.integers(1, 9, len(one.size))]
+        found = row_colouring([lattice], sizes)
+        separate = all(separates(found, dict.fromkeys(bond)) for bond in one.bonds)
+        assert serves(found, [lattice]) and separate == keeps_apart(found, [lattice])
+        assert found.colours <= 2 or fit(found, [lattice], sizes)
+        kinds_of.add((found.colours, separate))
+    assert {(2, True), (2, False), (3, True), (4, True)} <= kinds_of
+
+
+def test_as_few_bonds_as_may_be_join_sites_of_one_colour():
+    lattice = named("triangular(n, n)")
+
+    def met(c):
+        return sum(not separates(c, bond) for bond in lattice.bonds)
+    every = [Colouring(2, (1, w), (0,)) for w in (0, 1)]
+    assert met(row_colouring([lattice], (64, 49))) == min(map(met, every)) == 1
+
+
+def test_fields_take_one_colour_where_bonds_do_not_reach_far():
+    assert [field_colouring([some]).colours for some in (named("fcc(n, n, n)"), along(8), along(9))] == [1, 1, 2]
 
 
 # Work

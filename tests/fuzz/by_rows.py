@@ -19,9 +19,10 @@ from .invent import quoted
 # over, as many sites as this, bonds of a site, sites of a bond; {0} and {1}: its boundaries
 PLACES = {"chain": ("chain(n, {0})", "n", 2), "next on a chain": ("chain(n, {0}, 2)", "n", 2), "square": ("square(n, m, {0}, {1})", "n*m", 4), "short rows": ("square(m, n, {0}, {1})", "n*m", 4),
           "diagonals": ("square(n, m, {0}, {1}).second", "n*m", 4), "cubic": ("cubic(n, m, 2, {0}, {1}, open)", "2*n*m", 6), "cells": ("cells.b", "2*n*m", 4), "line": ("line.b", "n", 3),
-          "plaquettes": ("plaquettes.b", "n*m", 4), "reaching": ("reaching.b", "n*m", 3)}
+          "shells": ("shells.b", "n*m", 12), "plaquettes": ("plaquettes.b", "n*m", 4), "reaching": ("reaching.b", "n*m", 3)}
 DECLARED = {"cells": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nsites = 2\n'
                      "bonds.b = [{{ from = 0, to = 1, offset = [0, 0] }}, {{ from = 1, to = 1, offset = [1, 0] }}, {{ from = 1, to = 0, offset = [0, 1] }}]",
+            "shells": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ offset = [1, 0] }}, {{ offset = [0, 1] }}, {{ offset = [1, 1] }}, {{ offset = [1, -1] }}, {{ offset = [2, 0] }}, {{ offset = [0, 2] }}]',
             "line": 'size = ["n"]\nboundary = "{0}"\nbonds.b = [{{ at = [[0, 0], [0, 1], [0, 2]] }}]',
             "plaquettes": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ at = [[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]] }}]',
             "reaching": 'size = ["n", "m"]\nboundary = ["{0}", "{1}"]\nbonds.b = [{{ at = [[0, -2, 0], [0, 0, 0], [0, 2, 0]] }}]',
@@ -146,6 +147,8 @@ def sizes(dice, method, place, wave, families, ring) -> tuple:
     the witness's matrix has."""
     if method.splitting == "pairs":
         return dice.choice((8, 12, 34)), dice.choice((4, 8))
+    if place == "shells":
+        return dice.choice((7, 8, 12)), dice.choice((5, 6))
     m = dice.choice((4, 5, 8) if "diagonals" in (place, FARTHER.get(place)) else (3, 4, 8))
     if wave or PLACES[place][1] == "n":
         few = families > 1 and method.of_midpoints and not method.midpoint

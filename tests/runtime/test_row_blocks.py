@@ -30,6 +30,11 @@ size = ["n", 12, 12]
 boundary = "periodic"
 bonds.all = [%s]
 """ % ", ".join(f"{{ from = 0, to = 0, offset = {list(o)} }}" for o in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1), (0, 1, -1)))
+TRIANGULAR = """[lattices.triangles]
+size = ["n", 16]
+boundary = "periodic"
+bonds.all = [{ offset = [1, 0] }, { offset = [0, 1] }, { offset = [1, -1] }]
+"""
 # Each with the blocks along its directions, and how far along the first of them the next ones begin.
 SPECS = {
     "ring": (lattice("ring", "chain(n, periodic)", 48, "n", EXCHANGE + DM), (8, 1, 1, 1), (0, 0, 0, 0)),
@@ -40,6 +45,7 @@ SPECS = {
     "stacked": (lattice("stacked_up", "stacked.all", 16, "8*n", EXCHANGE + DM, STACKED), (4, 2, 1, 1), (0, 0, 0, 0)),
     "unlike": (lattice("unlike_places", "unlike.all", 16, "8*n", EXCHANGE + DM, UNLIKE), (4, 2, 1, 1), (0, 0, 0, 0)),
     "three colours": (lattice("further", "chain(n, periodic, 2)", 96, "n", EXCHANGE + EXCHANGE.replace("exchange", "near").replace("{over}", "chain(n, periodic)")), (8, 1, 1, 1), (0, 0, 0, 0)),
+    "four colours in place of three": (lattice("triangles", "triangles.all", 16, "16*n", EXCHANGE, TRIANGULAR), (1, 8, 1, 1), (0, 0, 0, 0)),
     "eighteen neighbours": (lattice("far", "near.all", 12, "144*n", EXCHANGE.replace("0.7", "0.2"), NEAR), (2, 4, 1, 1), (0, 0, 0, 0)),
     "four directions": (lattice("directions", "four.all", 8, "48*n", EXCHANGE.replace("0.7", "0.3"), FOUR), (4, 2, 1, 1), (0, 0, 0, 0)),
 }

@@ -66,6 +66,17 @@ size = ["n", 7]
 boundary = "periodic"
 bonds.all = [{ from = 0, to = 0, offset = [1, 0] }, { from = 0, to = 0, offset = [2, 0] }, { from = 0, to = 0, offset = [3, 0] }, { from = 0, to = 0, offset = [4, 0] }, { from = 0, to = 0, offset = [0, 1] }]
 """
+MANY = """[lattices.shells]
+size = ["n", 9]
+boundary = "periodic"
+bonds.all = [%s]
+""" % ", ".join(f"{{ offset = [{x}, {y}] }}" for x in range(-3, 4) for y in range(4) if 0 < x*x + y*y <= 9 and (y, x) > (0, 0))
+UNEVEN = """[lattices.uneven]
+size = ["n", 4]
+sites = 3
+boundary = "periodic"
+bonds.all = [{ from = 0, to = 1, offset = [0, 0] }, { from = 0, to = 2, offset = [0, 0] }]
+"""
 FOUR = """[lattices.four]
 size = ["n", 3, 4, 2]
 boundary = ["periodic", "open", "periodic", "open"]
@@ -107,6 +118,9 @@ SPECS = {
     "comb": lattice("comb", "teeth.all", 18, "2*n", lattice=COMB),
     "far": lattice("far", "reach.all", 14, "n", lattice=FAR),
     "five colours": lattice("five", "five.all", 15, "7*n", EXCHANGE.replace("0.7", "0.3"), FIVE),
+    "many neighbours": lattice("many", "shells.all", 21, "9*n", EXCHANGE.replace("0.7", "0.08") + DM.replace("0.2*", "0.05*").replace("0.3*", "0.02*") + FIELD, MANY),
+    "many along a chain": lattice("along", "along.all", 40, "n", EXCHANGE.replace("0.7", "0.1"), '[lattices.along]\nsize = ["n"]\nboundary = "periodic"\nbonds.all = [%s]' % ", ".join(f"{{ offset = [{k}] }}" for k in range(1, 13))),
+    "more of one place": lattice("uneven", "uneven.all", 5, "12*n", EXCHANGE + DM, UNEVEN),
     "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
     "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n"),
     "rows around themselves": lattice("lines", "lines.all", 9, "3*n", lattice=LINES),

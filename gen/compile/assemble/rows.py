@@ -15,7 +15,7 @@ from ...resources import runtime_numbers
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS, field_kernels
-from ..plan.colouring import KNOWN, Colouring, colouring, kinds_of_rows
+from ..plan.colouring import Colouring, colouring, keeps_apart, kinds_of_rows, serves
 from ..plan.contributions import fields_of, laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, End, Role, bonded, number_functions, number_name, numbers_of, unlike_bonds
@@ -33,8 +33,6 @@ from .site_values import count, differs, names, sited, taken as taken_values, va
 from .same_bonds import energy_kernels
 from .slots import Slots
 
-REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
-
 
 @dataclass(frozen=True)
 class Rows:
@@ -42,7 +40,7 @@ class Rows:
 
     sited: {prefix: `Sited`} of terms that differ from site to site, for which `rest` and `norm` leave room; whole: {prefix: the term in its
     place} of terms without absent sites, which stand there as 0; held: are there sites that do not move? rated: have sites strengths of their own? law: the kernel of the response of the others; differing: which of its numbers differ from site to site; radii: do radii? timely: do bounds hold at the time of a step alone?
-    norms: what beside_norms.py has found; changes: what row_changes.py has, for the tangent map.
+    norms: what beside_norms.py has found; changes: what row_changes.py has, for the tangent map; meet: do bonds join sites of one colour?
     """
     over: Lattice
     colours: Colouring
@@ -59,6 +57,7 @@ class Rows:
     norms: object = field(default=None, compare=False)
     timely: bool = False
     changes: dict = field(default_factory=dict, compare=False)
+    meet: bool = False
 
     @property
     def step(self) -> int:
@@ -108,9 +107,10 @@ def rows_of(model, low, over, some, laws):
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"
-    found = Rows(over, colouring(lattices(model)), *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely)
+    colours = model.plan.colours or colouring(lattices(model))
+    found = Rows(over, colours, *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely, meet=not keeps_apart(colours, lattices(model)))
     if not fits(found, lattices(model)):
-        return f"{longest(model)} reaches too far, or the sites of a cell cannot be coloured with equally many sites of each colour"
+        return f"{longest(model)} reaches too far"
     alone = sited(low, apart, first, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
     overs = {whole.get(t.prefix, t).prefix: t.over for t in model.fields}
     return replace(found, sited={**alone, **bonds_of_terms(model, low, [t for t in terms if t.prefix in joined], overs, joined, first, bounds)})
@@ -203,12 +203,8 @@ def kinds_size(model) -> int:
 
 
 def fits(found: Rows, lattices) -> bool:
-    """Several colours of equally many sites; bonds that begin in the cell of a member, and reach no further than vectors may."""
-    c = found.colours
-    even = found.step > 1 or all(len(found.places(k)) == found.ranks for k in range(c.colours))
-    near = all(abs(a[1][0] - b[1][0]) <= REACH * found.step for over in lattices for bond in over.bonds for a in bond for b in bond)
-    based = all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
-    return (c.colours > 1 or not any(over.bonds for over in lattices)) and even and near and based and kinds_of_rows(c, lattices) <= KNOWN
+    """Rows of such colours, and bonds that begin in the cell of a member."""
+    return serves(found.colours, lattices) and all(any(not any(offset) for _, offset in bond) for over in lattices for bond in over.bonds)
 
 
 def alike(model, low, whole, bounds, which: int) -> tuple:
@@ -295,14 +291,14 @@ def row_settings(model) -> dict:
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
     return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_ROW_FIELDS" if model.method.by_field else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
-            "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not all(model.is_linear(f.name) for f in model.families)), "SMG_BESIDES": besides(model),
+            "SMG_COLOURS_MEET": int(found.meet), "SMG_ROW_STEP": found.step, "SMG_TURN_0": back, "SMG_RINGS": rings(model), "SMG_BLOCKS": int(in_blocks(model)), "SMG_OWN_FIELD": int(not all(model.is_linear(f.name) for f in model.families)), "SMG_BESIDES": besides(model),
             **{f"SMG_REACH_{d}": reach_of(model, d) for d in (1, 2, 3)}, **{f"SMG_WEIGHT_{d}": w for d, w in enumerate(weights)}}
 
 
 def in_blocks(model) -> bool:
-    """May the lattice stand in blocks? Where all bonds close around it, and sites turn alone."""
+    """May the lattice stand in blocks? Where all bonds close around it, sites of a colour do not feel each other, and turn alone."""
     closed = all(closes for over in lattices(model) for closes in over.periodic)
-    return closed and not model.pairs and not model.method.takes_fields
+    return closed and not model.in_rows.meet and not model.pairs and not model.method.takes_fields
 
 
 # The gradient of some slots

@@ -20,7 +20,7 @@ class Slots:
         self.colours, self.ends = found.colours.colours, number("SMG_BEFORE") + number("SMG_AFTER")
         self.colour = whole_vectors(found.ranks * prod(others) * row)
         seam = any(rings >> d & 1 and w * n % self.colours for d, (w, n) in enumerate(zip(found.colours.weights, sizes)))
-        self.kept_from = 0 if seam or self.colours == 1 else self.colour
+        self.kept_from = 0 if seam or found.meet or self.colours == 1 else self.colour
 
     @property
     def pitch(self) -> int:

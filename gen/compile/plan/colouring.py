@@ -3,7 +3,9 @@
 A sweep that takes one colour after the other finds the sites of a colour independent, so that a
 processor works on many at once. The colour of a site is linear in its cell and place:
 (weights . cell + shift[sub]) mod colours. Wrap-arounds of odd length may join equal colours; a
-sweep is then still right, for it always uses the newest values.
+sweep is then still right, for it always uses the newest values, and so it is where bonds join
+sites of one colour (`row_colouring`); but only sites that do not feel each other may be shared
+by threads and ranks.
 """
 from __future__ import annotations
 
@@ -13,6 +15,7 @@ from itertools import combinations, islice, product
 from math import gcd, prod
 
 MOST_COLOURS = 8
+REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
 FEW_KINDS, KNOWN = 300, 1000    # kinds of rows: of a colouring that is taken first; at most
 LOOKED_AT = 1000        # colourings with the fewest colours, of which one of few kinds of rows is taken
 MOST_TRIED = 100_000    # shifts that are tried of each number of colours; then there is none with so many, or none but those found
@@ -31,6 +34,72 @@ class Colouring:
 def colouring(lattices) -> Colouring:
     """The fewest colours that keep the members of every bond apart; one colour when none do, or none is found by so many trials."""
     return colouring_of_bonds(len(lattices[0].size), lattices[0].sites, tuple(bonds_of(lattices)))
+
+
+def row_colouring(lattices, sizes) -> Colouring:
+    """For sweeps by rows of cells of these `sizes`. The fewest colours that keep bonds apart, if they fit the rings or are two; else four in place of three, if those do. Else colours in which bonds
+    join sites: a sweep then needs more turns, but takes less time than one over many short rows with seams."""
+    fewest = colouring(lattices)
+    if fewest.colours > 1 and serves(fewest, lattices) and (fewest.colours == 2 or fit(fewest, lattices, sizes)):
+        return fewest
+    some = (joining(lattices, colours) for colours in (2, 1, *range(3, MOST_COLOURS + 1)))
+    return four_that_fit(lattices, sizes, fewest) or next((c for c in some if serves(c, lattices)), fewest)
+
+
+def field_colouring(lattices) -> Colouring:
+    """For the field of all sites at once: one colour, or as few as bonds that reach far along rows need."""
+    some = (joining(lattices, colours) for colours in range(1, MOST_COLOURS + 1))
+    return next((c for c in some if serves(c, lattices)), colouring(lattices))
+
+
+def four_that_fit(lattices, sizes, fewest: Colouring) -> Colouring | None:
+    """Four colours that fit the rings of a lattice of several directions on which the fewest are three and do not. They fit the halves of its rings as well, so that it may stand in blocks."""
+    if fewest.colours != 3 or len(sizes) == 1:
+        return None
+    some = islice(colourings(4, len(sizes), lattices[0].sites, apart_from(tuple(bonds_of(lattices)))), LOOKED_AT)
+    return next((c for c in some if fit(c, lattices, sizes) and serves(c, lattices)), None)
+
+
+def joining(lattices, colours: int) -> Colouring:
+    """So many colours, in which bonds join few pairs of places."""
+    pairs, directions, places = apart_from(tuple(bonds_of(lattices))), len(lattices[0].size), lattices[0].sites
+    weights = [w for w in product(range(colours - 1, -1, -1), repeat=directions) if gcd(w[0], colours) == 1]
+    some = [Colouring(colours, w, least_shifts(colours, w, places, pairs)) for w in weights]
+    return min(some, key=lambda c: sum(joined(c.colours, c.weights, c.shift, pair) for pair in pairs))
+
+
+def least_shifts(colours: int, weights, places: int, pairs) -> tuple:
+    """Place after place, each so that bonds join it to few of the earlier ones."""
+    found = ()
+    for k in range(places):
+        behind = [pair for pair in pairs if pair[0] == k]
+        found += (min(range(colours), key=lambda s: sum(joined(colours, weights, (*found, s), pair) for pair in behind)),)
+    return found
+
+
+def joined(colours: int, weights, shift, pair) -> bool:
+    """Have the sites of a pair of `apart_from` one colour?"""
+    a, b, cells = pair
+    return (shift[a] - shift[b] - sum(w * n for w, n in zip(weights, cells))) % colours == 0
+
+
+def keeps_apart(c: Colouring, lattices) -> bool:
+    """Have the members of every bond different colours?"""
+    return not any(joined(c.colours, c.weights, c.shift, pair) for pair in apart_from(tuple(bonds_of(lattices))))
+
+
+def serves(c: Colouring, lattices) -> bool:
+    """May such a lattice be swept by rows? With as many sites of each colour, bonds that reach no farther along rows than vectors may, and few kinds of rows."""
+    step = c.colours if any(c.weights) else 1
+    even = step > 1 or len({c.shift.count(k) for k in range(c.colours)}) == 1
+    near = all(abs(a[1][0] - b[1][0]) <= REACH * step for bond in bonds_of(lattices) for a in bond for b in bond)
+    return even and near and kinds_of_rows(c, lattices) <= KNOWN
+
+
+def fit(c: Colouring, lattices, sizes) -> bool:
+    """Do colours go on around all periodic directions as they are within?"""
+    rings = {d for over in lattices for d, closes in enumerate(over.periodic) if closes}
+    return not any(c.weights[d] * sizes[d] % c.colours for d in rings)
 
 
 def bonds_of(lattices) -> dict:

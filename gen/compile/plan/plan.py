@@ -12,8 +12,10 @@ from ...errors import UsageError
 from ...language.counts import constant_integer, runtime_names
 from ...language.expr import Time, walk
 from ...language.spec import Graph, Lattice, Spec
+from ...language.sublattice import together
 from ...language.tracers import moves_tracers
 from ..by_bond import by_bond
+from .colouring import field_colouring, row_colouring
 from .contributions import all_offer, contributions_of, require, require_of_method, require_of_responses
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
@@ -34,7 +36,8 @@ class Plan:
     band: width in sites; wrap: whether the band is cyclic; pattern: the sparse elimination;
     rotation: rotation sweeps, alone or tried before Newton; tried: how many of them, 0: as the runtime has it;
     lanes: fixed-point iteration in lanes is tried before dense Newton or sweeps, where the terms allow it;
-    auto: was the solver left to the plan? coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py.
+    auto: was the solver left to the plan? coupling: what joins the sites, where Newton has a matrix; layout: one of `LAYOUTS` of layout.py;
+    colours: for sweeps by rows of a lattice of these sizes.
     """
     method: str
     local: tuple
@@ -50,6 +53,7 @@ class Plan:
     auto: bool = False
     coupling: str = "few sites"
     layout: str = "sites"
+    colours: object = None
 
     @property
     def block(self) -> int:
@@ -128,16 +132,32 @@ def choose(spec: Spec, method: str, solver: str, contributions=None) -> Plan:
         from .splitting import require_splitting        # sympy is imported for those alone
         require_splitting(spec, METHODS[method])
     if not METHODS[method].of_midpoints:
-        return Plan(method, (), (), *METHODS[method].how)
+        return Plan(method, (), (), *METHODS[method].how, colours=colours_of_rows(spec, METHODS[method], contributions))
     require([c for c in contributions if any(f in local for f, _ in c.slots)], ASKS["local"], "a site that is solved separately")
     if not coupled:
         return Plan(method, local, coupled, "local", "every site is solved separately, by Newton or in closed form", auto=solver == "auto")
     if solver not in METHODS[method].solvers:
         raise UsageError(f"method {method} has no solver '{solver}'; use {' or '.join(METHODS[method].solvers)}")
+    return replace(swept_plan(spec, method, solver, local, coupled, contributions), colours=colours_of_rows(spec, METHODS[method], contributions))
+
+
+def swept_plan(spec: Spec, method: str, solver: str, local, coupled, contributions) -> Plan:
+    """Of a coupled part, by the solver that was asked for."""
     if solver in ("rotation", "plain"):
         require(contributions, ASKS[solver], f"solver {solver}")
         return Plan(method, local, coupled, solver, "as asked for", rotation=solver == "rotation")
     return replace(coupled_plan(spec, METHODS[method], solver, local, coupled, contributions), auto=solver == "auto")
+
+
+def colours_of_rows(spec: Spec, method: Method, contributions):
+    """On the lattice of all bonds, of these sizes; None where there is no such lattice, and of splittings, which are defined by the fewest colours."""
+    names, parameters = [f.name for f in spec.families], {p.name: p for p in spec.parameters}
+    overs = [together(c.over, names) for c in contributions if isinstance(c.over, Lattice)]
+    if method.splitting or len({(o.size, o.sites) for o in overs}) != 1:
+        return None
+    if method.by_field:
+        return field_colouring(overs)
+    return row_colouring(overs, [constant_integer(n, parameters) for n in overs[0].size])
 
 
 def coupled_plan(spec: Spec, method: Method, solver: str, local, coupled, contributions) -> Plan:

@@ -5,7 +5,7 @@ from itertools import product
 from math import prod
 
 from ... import ranks
-from ...compile.plan.colouring import colouring
+from ...compile.plan.colouring import colouring, keeps_apart
 from ...errors import UsageError
 from ...language.evaluate import integer
 from ...language.spec import Lattice
@@ -37,8 +37,9 @@ class Rows:
         overs = lattices(prepared)
         if not overs:
             raise UsageError(NOT_BY_ROWS)
-        colours = colouring(overs)
+        colours = prepared.plan.colours or colouring(overs)
         self.size = [integer(n, prepared.numbers.values, "the size of a lattice") for n in overs[0].size]
+        self.meet = not keeps_apart(colours, overs)
         self.step = colours.colours if any(colours.weights) else 1
         slots = -(-self.size[0] // self.step)
         self.slots = slots if slots < runtime_numbers()["SMG_LONG_ROW"][0] else -(-slots // VECTOR) * VECTOR
@@ -52,6 +53,8 @@ class Rows:
         cut = [d for d, n in enumerate(grid) if n > 1]
         if len(grid) != len(self.size):
             return f"this lattice has {len(self.size)} directions"
+        if self.meet:
+            return "the sites of a colour feel each other, since it would take many colours to keep them apart"
         if self.seam is not None:
             return f"the size of the periodic direction {self.seam} is not a multiple of the number of colours"
         if cut and (below := prod((self.slots, *self.size[1:])[:max(1, cut[0])])) % VECTOR:

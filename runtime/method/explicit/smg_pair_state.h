@@ -16,7 +16,7 @@ static inline void smg_choose_rows(smg_state *s) {
   const smg_real r = smg_radius(&s->c, 0), square = r * r, half = smg_abs(smg_pair_half(s, smg_signed_h(s->h)));
   const smg_real g = half * smg_slope_bound(&s->c, square) * 2 * smg_abs(smg_kappa(&s->c, 0)) * r;
   s->rows =
-      !smg_meet_at_seam(&s->c) && square <= SMG_FINITE_FIELD && half <= SMG_FINITE_FIELD && g * g <= SMG_FINITE_FIELD;
+      !smg_colours_meet(&s->c) && square <= SMG_FINITE_FIELD && half <= SMG_FINITE_FIELD && g * g <= SMG_FINITE_FIELD;
 }
 
 #endif

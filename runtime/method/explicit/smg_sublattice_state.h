@@ -7,7 +7,7 @@
 
 /* Steps go by rows where no two sites of a colour feel each other. */
 static inline void smg_choose_rows(smg_state *s) {
-  s->rows = !smg_meet_at_seam(&s->c) && smg_row_field(&s->c, smg_signed_h(s->h)) <= SMG_FINITE_FIELD;
+  s->rows = !smg_colours_meet(&s->c) && smg_row_field(&s->c, smg_signed_h(s->h)) <= SMG_FINITE_FIELD;
 }
 
 #endif
