@@ -41,7 +41,7 @@ static inline smg_real *smg_place_row_arrays(smg_state *s, smg_real *mem, size_t
 /* Numbers that tables take: of neighbours, of a lattice in blocks; of what differs from site to site; of many kinds of
  * rows, with the norms beside each place. */
 static inline size_t smg_place_tables(smg_state *s, smg_real *mem) {
-  smg_blocks blocks;
+  smg_blocks blocks = {{0}, {0}, {0}};
   const int there = smg_in_blocks(&s->c, &blocks);
   size_t used = there ? smg_beside_size(&s->c) : 0;
   s->row_beside = there && mem ? (smg_slot_beside *)(void *)mem : NULL;
@@ -68,7 +68,7 @@ static inline void smg_forget_rows(const smg_state *s) {
 
 /* What is in them. */
 static inline void smg_fill_tables(smg_state *s) {
-  smg_blocks blocks;
+  smg_blocks blocks = {{0}, {0}, {0}};
   if (smg_in_blocks(&s->c, &blocks)) smg_fill_beside(&s->c, &blocks, s->row_beside);
 #if SMG_SITE_VALUES
   smg_fill_values(s);

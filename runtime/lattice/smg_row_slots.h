@@ -18,7 +18,7 @@ SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot
   smg_each_own_slot(c, context, visit);
 #else
   const int64_t length = smg_row_length(c);
-  smg_blocks blocks;
+  smg_blocks blocks = {{0}, {0}, {0}};
   if (smg_in_blocks(c, &blocks)) {
     smg_each_in_blocks(c, &blocks, context, visit);
     return;

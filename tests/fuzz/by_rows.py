@@ -148,7 +148,7 @@ def sizes(dice, method, place, wave, families, ring) -> tuple:
     if method.splitting == "pairs":
         return dice.choice((8, 12, 34)), dice.choice((4, 8))
     if place == "shells":
-        return dice.choice((7, 8, 12)), dice.choice((5, 6))
+        return (dice.choice((7, 8, 12)), dice.choice((5, 6))) if not method.of_midpoints or method.midpoint else (7, 5) if families == 1 else (5, 5)
     m = dice.choice((4, 5, 8) if "diagonals" in (place, FARTHER.get(place)) else (3, 4, 8))
     if wave or PLACES[place][1] == "n":
         few = families > 1 and method.of_midpoints and not method.midpoint
