@@ -47,6 +47,7 @@ size = ["n", "n", "n"]
 boundary = "periodic"
 bonds.second = [{{ offset = [1, 1, 0] }}, {{ offset = [1, -1, 0] }}, {{ offset = [1, 0, 1] }}, {{ offset = [1, 0, -1] }}, {{ offset = [0, 1, 1] }}, {{ offset = [0, 1, -1] }}]
 bonds.third = [{{ offset = [2, 0, 0] }}, {{ offset = [0, 2, 0] }}, {{ offset = [0, 0, 2] }}]
+bonds.diagonal = [{{ offset = [1, 1, 1] }}, {{ offset = [1, 1, -1] }}, {{ offset = [1, -1, 1] }}, {{ offset = [1, -1, -1] }}]
 [effects.exchange]
 over = "bond(i, j) of {lattice}"
 energy = "{exchange}"
@@ -121,6 +122,7 @@ SCENES = (
     Scene("radius that differs by site", family=', radius = "1 + mod(i, 2)"'),
     Scene("J1 + J2", (bonds("0.2*dot(w[i], w[j])", "cube.second"),)),
     Scene("J1 + J3", (bonds("0.2*dot(w[i], w[j])", "cube.third"),)),
+    Scene("32 neighbours", tuple(bonds(f"{J}*dot(w[i], w[j])", f"cube.{shell}") for J, shell in ((0.2, "second"), (0.1, "diagonal"), (0.1, "third")))),
     Scene("cubic anisotropy", (site("-0.1*(w[i].x^4 + w[i].y^4 + w[i].z^4)"),)),
     Scene("biquadratic", (bonds("-0.1*dot(w[i], w[j])^2"),)),
     Scene("three effects on the same bonds", tuple(bonds(f"-{xx}") for xx in AXES[1:]), exchange=f"-{AXES[0]}"),

@@ -165,6 +165,16 @@ def test_runs_without_a_known_end_go_to_a_tolerance_by_their_energy():
     assert all(row.energy < 2 * exact[row.steps].energy and row.iterations < 0.9 * exact[row.steps].iterations for row in loose)
 
 
+def test_a_method_whose_steps_all_fail_is_given_up(monkeypatch):
+    """No time of theirs is known; the steps become no smaller than those of a run that would take too long in any case."""
+    def failing(case, name, steps, known, tolerance=None):
+        return Row(name, 1 / steps, steps, status="no convergence")
+    monkeypatch.setattr(sweep, "one", failing)
+    case = SimpleNamespace(fewest=lambda turn: 10, w=np.zeros((50, 3)))
+    rows = sweep.ladder(case, "gauss-4", Reference(np.zeros((50, 3)), 0.0, ()), limit=1.0)
+    assert all(row.status for row in rows) and 1e6 < rows[-1].steps < 1e8
+
+
 def test_the_file_holds_the_table_and_the_figure_is_made_of_it_alone(table, tmp_path):
     again = load_cost(table.save(tmp_path / "a.csv"))
     assert again.save(tmp_path / "b.csv").read_bytes() == (tmp_path / "a.csv").read_bytes()

@@ -28,6 +28,7 @@ WITHIN = 16         # steps in which they give samples
 PART = 0.1          # of a row's error that all its steps together may leave to tolerances
 HALF = 0.5          # of a row's energy error: then neither the steps nor the iterations are better than they need be
 ROUND_OFF = 2.0 ** -52      # no tolerance below ends an iteration
+QUICKEST = 1e-9     # seconds of a site and step, at least: of those that failed no time is known
 BRIEF = 5e-3        # seconds: a run in pieces that takes less is timed again in one
 SAMPLES = 48        # points of a run at which invariants are looked at
 
@@ -109,8 +110,8 @@ def ratio(name: str) -> float:
 
 
 def next_seconds(case: Case, name: str, row: Row) -> float:
-    """How long the next row would take, by this one."""
-    return row.seconds * ratio(name) if row.seconds == row.seconds else 0.0
+    """How long the next row would take, by this one; if this one failed, at least."""
+    return (row.seconds if row.seconds == row.seconds else QUICKEST * row.steps * len(case.w)) * ratio(name)
 
 
 def one(case: Case, name: str, steps: int, known: Reference | None, tolerance: float | None = None) -> Row:
