@@ -103,7 +103,7 @@ static void smg_enter_rows(smg_state *s) {
 static inline void smg_know_besides(const smg_coefficients *c, smg_besides *all) {
   const int64_t length = smg_row_length(c);
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
+    for (smg_lattice_row at = smg_row_of(c, colour, 0); at.rank < SMG_RANKS; smg_next_row(c, length, &at))
       smg_besides_of(c, &at, all);
 }
 

@@ -77,9 +77,8 @@ static int smg_show_rows(smg_state *s, smg_beyond *a) {
 /* Are they on the branch? By the bound at the solution. */
 static int smg_shown_by_rows(const smg_state *s, smg_beyond *a) {
   if (a->grew) return 0;
-  smg_real *slopes = smg_row_slopes(s);
   return a->slope * smg_at_all_sites(&s->c, SMG_HESSIAN_EVER) <= SMG_ROW_SHOWN ||
-         smg_weights_show(s, &a->known, slopes, slopes + smg_pitch(&s->c));
+         smg_weights_show(s, &a->known, smg_row_slopes(s), smg_row_slopes(s) + smg_pitch(&s->c));
 }
 
 /* They belong to sites again. */
@@ -90,7 +89,6 @@ SMG_INLINE void smg_increment_of_slot(void *context, int64_t site, int64_t slot)
     s->u[3 * site + k] = slot < first ? s->row_u[k * SMG_FIRST_PITCH(&s->c) + slot]
                                       : s->row_late[k * SMG_LATE_PITCH(&s->c) + slot - first];
 }
-static void smg_increments_to_sites(smg_state *s) { smg_each_slot(&s->c, s, smg_increment_of_slot); }
 
 /* Sweeps, while they settle soon, with the increments that they leave; do these solve the step? */
 static int smg_solve_beyond(smg_state *s, smg_beyond *a) {
@@ -124,7 +122,7 @@ static smg_status smg_sweeps(smg_state *s, smg_real h) {
   const int there = (solved && smg_shown_by_rows(s, &a)) || smg_solve_at_end(s, h, &a, solved);
   s->report.iterations = (int)(a.passes / SMG_COLOURS);
   if (!there) return SMG_NO_CONVERGENCE;
-  smg_increments_to_sites(s);
+  smg_each_slot(&s->c, s, smg_increment_of_slot);
   return SMG_OK;
 }
 

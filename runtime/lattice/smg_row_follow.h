@@ -51,18 +51,6 @@ static inline void smg_rows_copy(const smg_state *s, smg_real *to, const smg_rea
   smg_copy(to - SMG_BEFORE, from - SMG_BEFORE, smg_array_size(&s->c));
 }
 
-/* Midpoints as long as their spins. */
-static void smg_onto_spheres(const smg_state *s) {
-  const smg_inverses inverses = smg_inverses_of(s);
-  const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
-  for (int64_t slot = 0; slot < slots; slot += SMG_LANES) {
-    smg_lanes m[3];
-    smg_take_slots(s->row_m, pitch, slot, m);
-    smg_lane_stretch_to(smg_inverse_at(inverses, slot), 0, m);
-    smg_put_slots(s->row_m, pitch, slot, m);
-  }
-}
-
 /* The largest distance between the vectors of two arrays, on small spheres as if they were as large as the others. */
 static smg_real smg_rows_apart(const smg_state *s, const smg_real *from, const smg_real *to) {
   const smg_real largest = smg_at_all_sites(&s->c, smg_radius);

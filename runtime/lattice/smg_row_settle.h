@@ -2,8 +2,8 @@
 #ifndef SMG_ROW_SETTLE_H
 #define SMG_ROW_SETTLE_H
 
+#include "smg_coupled.h"
 #include "smg_row_step.h"
-#include "smg_swept.h"
 
 #define SMG_BEYOND_SWEEPS 120 /* before the branch is followed */
 /* sweeps after which it is asked whether those that are left will be enough */
@@ -38,9 +38,21 @@ static void smg_turn_beyond(const smg_state *s, smg_real h, smg_beyond *a) {
   smg_begin_sweeping(&a->sweep);
 }
 
+/* Midpoints as long as their spins. */
+static void smg_onto_spheres(const smg_state *s) {
+  const smg_inverses inverses = smg_inverses_of(s);
+  const int64_t pitch = smg_pitch(&s->c), slots = smg_slots(&s->c);
+  for (int64_t slot = 0; slot < slots; slot += SMG_LANES) {
+    smg_lanes m[3];
+    smg_take_slots(s->row_m, pitch, slot, m);
+    smg_lane_stretch_to(smg_inverse_at(inverses, slot), 0, m);
+    smg_put_slots(s->row_m, pitch, slot, m);
+  }
+}
+
 /* w, what it has lost to rounding, and predicted midpoints into slots; one rank does all. */
 static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
-  smg_sweep_start(s);
+  smg_predict(s, s->degree);
   smg_know_rows(s, &a->known);
   smg_by_each_rank(&s->c);
   smg_begin_team(s, &a->known);
@@ -48,7 +60,8 @@ static void smg_begin_beyond(smg_state *s, smg_real h, smg_beyond *a) {
   smg_to_slots(s, s->compensation, s->row_compensation);
   /* in slots without a site the midpoint is the spin, as it is along the branch: distances are those of all slots */
   smg_copy(s->row_m - SMG_BEFORE, s->row_w - SMG_BEFORE, smg_array_size(&s->c));
-  smg_to_slots(s, s->m, s->row_m);
+  smg_to_slots(s, s->mbar, s->row_m);
+  smg_onto_spheres(s);
   s->row_alone = 0; /* increments are found at the end alone */
   a->passes = 0;
   a->left = SMG_BEYOND_SWEEPS * SMG_COLOURS;

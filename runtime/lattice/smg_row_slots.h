@@ -24,7 +24,7 @@ SMG_INLINE void smg_each_slot(const smg_coefficients *c, void *context, smg_slot
     return;
   }
   for (int64_t colour = 0; colour < SMG_COLOURS; ++colour)
-    for (smg_lattice_row at = smg_first_row(c, colour); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) {
+    for (smg_lattice_row at = smg_row_of(c, colour, 0); at.rank < SMG_RANKS; smg_next_row(c, length, &at)) {
       const int64_t cell = ((at.s3 * smg_cells(c, 2) + at.s2) * smg_cells(c, 1) + at.s1) * smg_cells(c, 0) + at.first,
                     site = smg_numbered_site(c, cell, at.sub), sites = at.sites, start = at.start;
       for (int64_t j = 0; j < sites; ++j) visit(context, site + SMG_ROW_STEP * SMG_HOME_PLACES * j, start + j);

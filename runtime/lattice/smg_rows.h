@@ -193,9 +193,6 @@ static inline smg_lattice_row smg_row_of(const smg_coefficients *c, int64_t colo
   smg_row_place(c, &at);
   return at;
 }
-static inline smg_lattice_row smg_first_row(const smg_coefficients *c, int64_t colour) {
-  return smg_row_of(c, colour, 0);
-}
 
 /* The cells after all of direction 1; then the place. */
 static inline void smg_next_plane(const smg_coefficients *c, smg_lattice_row *at) {
@@ -477,7 +474,7 @@ static inline void smg_forget_besides(const smg_coefficients *c, SMG_UNUSED void
   for (int64_t k = 0; k < SMG_LONG_ROW + SMG_WIDEST; ++k) all->place[k] = (smg_real)(k % length);
   all->room = smg_piece_room(c);
   all->begin = smg_rows_between(c) * length < SMG_PIECE ? smg_rows_between(c) * length : all->room;
-  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_first_row(c, colour);
+  for (int64_t colour = 0; colour < SMG_COLOURS; ++colour) all->first[colour] = smg_row_of(c, colour, 0);
   all->beside = NULL;
 }
 

@@ -3,7 +3,7 @@
 #ifndef SMG_SWEEP_H
 #define SMG_SWEEP_H
 
-#include "smg_swept.h"
+#include "smg_newton.h"
 
 /* More of them cost more than Newton; of a graph the generator counts it (gen/compile/plan/plan.py). */
 #ifndef SMG_TRIED_SWEEPS
@@ -13,6 +13,27 @@
 #define SMG_TRIED_SWEEPS 12
 #endif
 #endif
+
+/* mbar = w + u/2 of all sites. */
+static inline void smg_set_midpoints(smg_state *s) { smg_waxpy(s->mbar, 0.5, s->u, s->w, 3 * smg_sites(&s->c)); }
+
+#if SMG_ROTATION
+/* m = P(w + u/2) of site k. */
+static inline smg_real smg_halfway(const smg_state *s, int64_t k, const smg_real *u, smg_real *m) {
+  smg_real mbar[3];
+  smg_waxpy(mbar, 0.5, u, s->w + 3 * k, 3);
+  return smg_project(&s->c, k, smg_leaf_value(s, k), mbar, m);
+}
+
+#endif
+
+/* Where the sweeps begin: w + u/2 with u extrapolated; of rotations P of it. */
+static void smg_sweep_start(smg_state *s) {
+  smg_predict(s, s->degree);
+#if SMG_ROTATION
+  smg_project_all(s);
+#endif
+}
 
 #if SMG_ROTATION
 /* What a sweep works on. */

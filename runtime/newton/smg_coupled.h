@@ -10,7 +10,11 @@
 
 /* Midpoints for the first iterate: w + u/2 with u extrapolated (degree < 0: u = 0). */
 static void smg_predict(smg_state *s, int degree) {
-  for (int64_t k = 0; k < 3 * smg_sites(&s->c); ++k) s->mbar[k] = s->w[k] + 0.5 * smg_extrapolate(s, k, degree);
+  const int64_t n = 3 * smg_sites(&s->c);
+  int64_t k = 0;
+  for (; k + SMG_LANES <= n; k += SMG_LANES)
+    smg_lane_put(s->mbar + k, smg_lane_take(s->w + k) + (smg_real)0.5 * smg_extrapolate_some(s, k, degree));
+  for (; k < n; ++k) s->mbar[k] = s->w[k] + 0.5 * smg_extrapolate(s, k, degree);
 }
 
 /* m = P(mbar) of every coupled site, and g = 0. */

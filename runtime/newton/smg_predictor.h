@@ -37,6 +37,13 @@ static inline smg_real smg_extrapolate(const smg_state *s, int64_t k, int degree
   return sum;
 }
 
+/* Those from the k-th on, as many as there are lanes. */
+static inline smg_lanes smg_extrapolate_some(const smg_state *s, int64_t k, int degree) {
+  smg_lanes sum = smg_lane_of(0);
+  for (int j = 0; j < smg_terms(degree); ++j) sum += smg_past_weight(s, degree, j) * smg_lane_take(s->past[j] + k);
+  return sum;
+}
+
 #if SMG_COMPOSED
 /* Which level would have served best in the stage just solved? A sample of the components decides. */
 static void smg_choose_degree(smg_state *s) {

@@ -14,9 +14,6 @@
 #endif
 #if SMG_HAS_COUPLED
 #include "smg_branch.h"
-#if SMG_SWEPT
-#include "smg_swept.h"
-#endif
 #if SMG_BY_ROWS && SMG_ONTO_LEAF
 #include "smg_row_beyond.h"
 #elif SMG_SWEPT
