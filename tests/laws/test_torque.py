@@ -249,7 +249,9 @@ def test_every_solver_finds_the_step(name, solver, h):
     spec = named(name, "gilbert", -1, 1.4, 2.0)
     one = build(spec, solver=solver).start("a", h=h)
     first = one.w.copy()
-    assert np.abs(one.step().w - Witness(spec).step(first, 0.0, h)).max() < 4e-15
+    found = one.step().w
+    slow = max(1, one.report()["iterations"] / 36)      # sweeps that shrink errors by 1 - p take -log(eps)/p, and leave 1/p times what rounding does to one
+    assert np.abs(found - Witness(spec).step(first, 0.0, h)).max() < 4e-15 * slow
 
 
 def test_a_matrix_that_is_not_stored_is_no_more_symmetric():
