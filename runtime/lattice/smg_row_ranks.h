@@ -13,8 +13,8 @@
 #include "smg_sum.h"
 #endif
 
-/* Increments are kept of all colours but the first, whose midpoints follow from the others; where its sites meet across
- * a seam, or are all there are, of that one too: the first colour and slot. */
+/* Increments are kept of all colours but the first, whose midpoints follow from the others; where sites of a
+ * colour feel each other, or it has all there are, of that one too: the first colour and slot. */
 #define SMG_FIRST_KEPT(c) (SMG_COLOURS == 1 || smg_colours_meet(c) ? 0 : 1)
 #define SMG_KEPT_FROM(c) (SMG_FIRST_KEPT(c) * smg_colour_slots(c))
 

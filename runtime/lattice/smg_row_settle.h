@@ -10,8 +10,8 @@
 #define SMG_BEYOND_PATIENCE 20
 /* Of a change of midpoints, the part by which a relaxed sweep moves them. Where errors change sign, or turn, from
  * one sweep to the next, relaxed sweeps converge faster, and may converge where the others do not: an eigenvalue l of a
- * sweep over two colours becomes p with (p + o - 1)^2 = o^2 l p (Young, Trans. Amer. Math. Soc. 76, 1954); l = -1
- * becomes two of modulus 0.2. Beyond a fold, where l > 1, p > 1 too. */
+ * sweep over two colours, each of sites that do not feel each other, becomes p with (p + o - 1)^2 = o^2 l p (Young,
+ * Trans. Amer. Math. Soc. 76, 1954); l = -1 becomes two of modulus 0.2. Beyond a fold, where l > 1, p > 1 too. */
 #define SMG_RELAXED (smg_real)0.8
 /* of the largest ratio of two changes, what counts in the next pass */
 #define SMG_FADING (smg_real)0.9

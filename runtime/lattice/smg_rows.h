@@ -108,8 +108,8 @@ typedef struct smg_share {
 static inline int64_t smg_pitch(const smg_coefficients *c) { return smg_slots(c) + SMG_BEFORE + SMG_AFTER; }
 static inline int64_t smg_array_size(const smg_coefficients *c) { return 3 * smg_pitch(c); }
 
-/* Do sites of one colour feel each other? Across the seam of a ring that is no multiple of the colours; or there or
- * everywhere: those of one piece then turn at once, and use the newest midpoints of others. */
+/* Do sites of one colour feel each other across the seam of a ring that is no multiple of the colours? Anywhere? Then
+ * those of one piece turn at once, and use the newest midpoints of all others. */
 SMG_INLINE int smg_meet_along(const smg_coefficients *c, int d) {
   return (SMG_RINGS >> d & 1) && smg_weight_of(d) * smg_cells(c, d) % SMG_COLOURS > 0;
 }

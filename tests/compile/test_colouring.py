@@ -139,9 +139,15 @@ def test_invented_rings_have_colours_that_serve():
         found = row_colouring([lattice], sizes)
         separate = all(separates(found, dict.fromkeys(bond)) for bond in one.bonds)
         assert serves(found, [lattice]) and separate == keeps_apart(found, [lattice])
-        assert found.colours <= 2 or fit(found, [lattice], sizes)
+        assert found.colours <= 2 or fit(found, [lattice], sizes) or found == colouring([lattice])
         kinds_of.add((found.colours, separate))
     assert {(2, True), (2, False), (3, True), (4, True)} <= kinds_of
+
+
+def test_two_colours_separate_half_of_the_bonds_or_none_are_joined():
+    """Two that separate none would leave sweeps as slow as those of one colour."""
+    further = closed(((0, (0, 0)), (0, (2, 0))), ((0, (0, 0)), (0, (0, 2))))
+    assert row_colouring([further], (10, 10)) == colouring([further]) and colouring([further]).colours == 3
 
 
 def test_as_few_bonds_as_may_be_join_sites_of_one_colour():
@@ -189,6 +195,16 @@ def test_the_work_has_a_bound(counted):
     """Eight colours suffice for a cell, but the last of its sites shows for every order of the others that they do not for two cells."""
     assert colouring([all_bound(8, 2, far=True)]).colours == 1
     assert MOST_TRIED < len(counted) <= MOST_TRIED + 1000
+
+
+def test_no_colours_are_tried_that_cannot_serve(monkeypatch):
+    """A large cell whose bonds reach far has rows of too many kinds, whatever the colours."""
+    tried = []
+    monkeypatch.setattr(module, "joining", lambda *given: tried.append(given))
+    dice = np.random.default_rng(3)
+    ends = dice.integers(24, size=(300, 2)), dice.integers(-3, 4, size=(300, 3))
+    lattice = SimpleNamespace(size=(0,) * 3, sites=24, periodic=(True,) * 3, bonds=tuple(((int(a), (0, 0, 0)), (int(b), tuple(map(int, o)))) for (a, b), o in zip(*ends)))
+    assert not serves(row_colouring([lattice], (8, 8, 8)), [lattice]) and not serves(field_colouring([lattice]), [lattice]) and tried == []
 
 
 def test_a_colouring_is_found_once(counted):

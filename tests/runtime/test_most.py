@@ -124,11 +124,13 @@ random = 1
 """
 ALL_BOUND = ",\n".join(f"{{ from = {i}, to = {j}, offset = [0, 0] }}" for i in range(0, 30, 2) for j in range(1, 30, 2))
 LARGE_CELL = f'[lattices.large]\nsize = ["n", "n"]\nboundary = "periodic"\nsites = 30\nbonds.all = [{ALL_BOUND},\n{{ from = 1, to = 0, offset = [1, 0] }}]\n'
+LONGER = '[lattices.longer]\nsize = ["n", "n", "n"]\nboundary = "periodic"\nbonds.all = [{ offset = [1, 0, 0] }, { offset = [0, 3, 2] }, { offset = [0, 2, 3] }, { offset = [1, 3, 0] }, { offset = [1, 0, 3] }]\n'
 MANY_KINDS = {"fcc": smidgen.load_text(PACKED.format(places=1, more="*n", lattice="", over="fcc(n, n, n, periodic)")),
+              "longer bonds": smidgen.load_text(PACKED.format(places=1, more="*n", lattice=LONGER, over="longer")),
               "large cell": smidgen.load_text(PACKED.format(places=30, more="", lattice=LARGE_CELL, over="large"))}
 
 
-@pytest.mark.parametrize("name, method", [pytest.param("fcc", "spherical-midpoint", marks=pytest.mark.long), ("fcc", "gauss-4"), pytest.param("fcc", "dop853", marks=pytest.mark.long),
+@pytest.mark.parametrize("name, method", [pytest.param("fcc", "spherical-midpoint", marks=pytest.mark.long), ("fcc", "gauss-4"), pytest.param("longer bonds", "dop853", marks=pytest.mark.long),
                                           pytest.param("fcc", "sublattice-rotations", marks=pytest.mark.long), pytest.param("large cell", "spherical-midpoint", marks=pytest.mark.long)])
 def test_the_table_of_many_neighbours_is_not_on_the_stack(name, method, tmp_path):
     """12 and 15 of each site: the table stands in the memory of the state."""

@@ -1,6 +1,6 @@
 """Rows of a lattice for vectors of lanes: where sites stand, and the gradient of some slots (runtime/lattice/smg_rows.h).
 
-They serve families of spheres on one lattice of several colours, whose energy has terms that are the same in every cell, or differ by numbers that stand in arrays by slots; several families are places
+They serve families of spheres on one lattice, whose energy has terms that are the same in every cell, or differ by numbers that stand in arrays by slots; several families are places
 of one cell (common_cell.py). They may depend on time where a bound is known that holds at all times: a state goes by
 rows or it does not, whatever the time is.
 """

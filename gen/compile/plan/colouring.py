@@ -1,4 +1,4 @@
-"""Colours of a lattice: classes of sites that do not feel each other.
+"""Colours of a lattice: classes of sites that are solved at once, and that do not feel each other where few colours are enough for that.
 
 A sweep that takes one colour after the other finds the sites of a colour independent, so that a
 processor works on many at once. The colour of a site is linear in its cell and place:
@@ -38,34 +38,45 @@ def colouring(lattices) -> Colouring:
 
 def row_colouring(lattices, sizes) -> Colouring:
     """For sweeps by rows of cells of these `sizes`. The fewest colours that keep bonds apart, if they fit the rings or are two; else four in place of three, if those do. Else colours in which bonds
-    join sites: a sweep then needs more turns, but takes less time than one over many short rows with seams."""
+    join sites, but no more than half of the pairs where others serve: a sweep then needs more turns, but takes less time than one over many short rows with seams."""
     fewest = colouring(lattices)
-    if fewest.colours > 1 and serves(fewest, lattices) and (fewest.colours == 2 or fit(fewest, lattices, sizes)):
+    apart = fewest.colours > 1 and serves(fewest, lattices)
+    if apart and (fewest.colours == 2 or fit(fewest, lattices, sizes)):
         return fewest
-    some = (joining(lattices, colours) for colours in (2, 1, *range(3, MOST_COLOURS + 1)))
-    return four_that_fit(lattices, sizes, fewest) or next((c for c in some if serves(c, lattices)), fewest)
+    found = four_that_fit(lattices, sizes, fewest) or first_joining(lattices, (2, 1, *range(3, MOST_COLOURS + 1))) or fewest
+    return fewest if apart and 2 * met(found, lattices) > len(pairs_of(lattices)) else found
 
 
 def field_colouring(lattices) -> Colouring:
     """For the field of all sites at once: one colour, or as few as bonds that reach far along rows need."""
-    some = (joining(lattices, colours) for colours in range(1, MOST_COLOURS + 1))
-    return next((c for c in some if serves(c, lattices)), colouring(lattices))
+    return first_joining(lattices, range(1, MOST_COLOURS + 1)) or colouring(lattices)
+
+
+def first_joining(lattices, numbers) -> Colouring | None:
+    """The first of these numbers of colours that serves; which does not depend on the weights that are taken, as long as rows hold all colours."""
+    places, others = lattices[0].sites, (0,) * (len(lattices[0].size) - 1)
+    served = next((n for n in numbers if serves(Colouring(n, (n > 1, *others), (0,) * places), lattices)), None)
+    return None if served is None else joining(lattices, served)
 
 
 def four_that_fit(lattices, sizes, fewest: Colouring) -> Colouring | None:
     """Four colours that fit the rings of a lattice of several directions on which the fewest are three and do not. They fit the halves of its rings as well, so that it may stand in blocks."""
     if fewest.colours != 3 or len(sizes) == 1:
         return None
-    some = islice(colourings(4, len(sizes), lattices[0].sites, apart_from(tuple(bonds_of(lattices)))), LOOKED_AT)
+    some = islice(colourings(4, len(sizes), lattices[0].sites, pairs_of(lattices)), LOOKED_AT)
     return next((c for c in some if fit(c, lattices, sizes) and serves(c, lattices)), None)
 
 
 def joining(lattices, colours: int) -> Colouring:
     """So many colours, in which bonds join few pairs of places."""
-    pairs, directions, places = apart_from(tuple(bonds_of(lattices))), len(lattices[0].size), lattices[0].sites
+    pairs, directions, places = pairs_of(lattices), len(lattices[0].size), lattices[0].sites
     weights = [w for w in product(range(colours - 1, -1, -1), repeat=directions) if gcd(w[0], colours) == 1]
-    some = [Colouring(colours, w, least_shifts(colours, w, places, pairs)) for w in weights]
-    return min(some, key=lambda c: sum(joined(c.colours, c.weights, c.shift, pair) for pair in pairs))
+    return min((Colouring(colours, w, least_shifts(colours, w, places, pairs)) for w in weights), key=lambda c: met(c, lattices))
+
+
+def met(c: Colouring, lattices) -> int:
+    """How many pairs of places of one colour bonds join."""
+    return sum(joined(c.colours, c.weights, c.shift, pair) for pair in pairs_of(lattices))
 
 
 def least_shifts(colours: int, weights, places: int, pairs) -> tuple:
@@ -85,7 +96,7 @@ def joined(colours: int, weights, shift, pair) -> bool:
 
 def keeps_apart(c: Colouring, lattices) -> bool:
     """Have the members of every bond different colours?"""
-    return not any(joined(c.colours, c.weights, c.shift, pair) for pair in apart_from(tuple(bonds_of(lattices))))
+    return met(c, lattices) == 0
 
 
 def serves(c: Colouring, lattices) -> bool:
@@ -117,6 +128,11 @@ def colouring_of_bonds(dimension: int, sites: int, bonds: tuple) -> Colouring:
     return Colouring(1, (0,) * dimension, (0,) * sites)
 
 
+def pairs_of(lattices) -> list:
+    return apart_from(tuple(bonds_of(lattices)))
+
+
+@lru_cache(maxsize=256)
 def apart_from(bonds) -> list:
     """Pairs of sites that a bond joins: (place, an earlier or the same one, cells from the first to the second)."""
     pairs = [max(pair, pair[::-1]) for bond in bonds for pair in combinations(dict.fromkeys(bond), 2)]

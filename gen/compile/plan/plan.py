@@ -15,7 +15,7 @@ from ...language.spec import Graph, Lattice, Spec
 from ...language.sublattice import together
 from ...language.tracers import moves_tracers
 from ..by_bond import by_bond
-from .colouring import field_colouring, row_colouring
+from .colouring import Colouring, field_colouring, row_colouring
 from .contributions import all_offer, contributions_of, require, require_of_method, require_of_responses
 
 DENSE_UNKNOWNS = 600       # a dense factorisation beyond this is dearer than sweeps
@@ -53,7 +53,7 @@ class Plan:
     auto: bool = False
     coupling: str = "few sites"
     layout: str = "sites"
-    colours: object = None
+    colours: Colouring | None = None
 
     @property
     def block(self) -> int:

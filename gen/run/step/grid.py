@@ -10,6 +10,7 @@ from ...errors import UsageError
 from ...language.evaluate import integer
 from ...language.spec import Lattice
 from ...language.sublattice import together
+from ...methods import METHODS
 from ...resources import runtime_numbers
 
 VECTOR = runtime_numbers()["SMG_WIDEST"][0]      # slots: parts begin where vectors do
@@ -35,7 +36,7 @@ class Rows:
 
     def __init__(self, prepared):
         overs = lattices(prepared)
-        if not overs:
+        if not overs or not METHODS[prepared.method].of_midpoints:
             raise UsageError(NOT_BY_ROWS)
         colours = prepared.plan.colours or colouring(overs)
         self.size = [integer(n, prepared.numbers.values, "the size of a lattice") for n in overs[0].size]
@@ -54,7 +55,7 @@ class Rows:
         if len(grid) != len(self.size):
             return f"this lattice has {len(self.size)} directions"
         if self.meet:
-            return "the sites of a colour feel each other, since it would take many colours to keep them apart"
+            return "no few colours that keep neighbours apart fit the periodic directions of this size"
         if self.seam is not None:
             return f"the size of the periodic direction {self.seam} is not a multiple of the number of colours"
         if cut and (below := prod((self.slots, *self.size[1:])[:max(1, cut[0])])) % VECTOR:
