@@ -32,19 +32,23 @@ energy = "-0.3*w[i].z^2 + 0.2*w[i].x"
 TWIST = " + 0.3*(w[i].x*w[j].y - w[i].y*w[j].x)"
 
 
-def lattice(name, over, n, sites, energy="-dot(w[i], w[j])", more=""):
+NEAR = '[lattices.near]\nsize = ["n"]\nboundary = "periodic"\nbonds.all = [{ offset = [1] }, { offset = [2] }]\n'
+
+
+def lattice(name, over, n, sites, energy="-dot(w[i], w[j])", more="", declared=""):
     """By rows, also where there are so few sites that a dense matrix would serve."""
-    text = LATTICE.format(sites=sites, lattice="", n=n, over=over, energy=energy, more=more)
+    text = LATTICE.format(sites=sites, lattice=declared, n=n, over=over, energy=energy, more=more)
     return Model(spec(name, text), ((sites.replace("n", f"{n}"), "sphere", "1", "1"),), solver="auto" if over.startswith("chain") else "rotation")
 
 
-# rows of two colours and of three, in blocks and not, open and closed; bonds with a twist, sites that feel themselves, strengths of both signs
+# rows of two colours, in blocks and not, open and closed, with a seam, and joined by bonds; bonds with a twist, sites that feel themselves, strengths of both signs
 MODELS = {"ring": lattice("ring", "chain(n, periodic)", 8, "n"),
           "odd_ring": lattice("odd_ring", "chain(n, periodic)", 7, "n", more=AXIS),
           "open_chain": lattice("open_chain", "chain(n, open)", 10, "n", "dot(w[i], w[j])" + TWIST),
           "square": lattice("square", "square(n, 4, periodic)", 3, "4*n", "-dot(w[i], w[j])" + TWIST),
           "open_square": lattice("open_square", "square(n, 3, open)", 4, "3*n", more=AXIS),
-          "cubic": lattice("cubic", "cubic(n, 2, 2, open)", 3, "4*n")}
+          "cubic": lattice("cubic", "cubic(n, 2, 2, open)", 3, "4*n"),
+          "joined": lattice("joined", "near.all", 8, "n", "-dot(w[i], w[j])" + TWIST, declared=NEAR)}
 
 
 def run(name, place, seed, first, cases):

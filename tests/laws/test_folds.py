@@ -7,7 +7,7 @@ pytestmark = pytest.mark.long
 REFUSED = Fault("", "smg_step.h", "  s->report.status = smg_solve_step(s, h);", "  s->report.status = smg_solve_step(s, h);\n  if (s->report.status == SMG_NO_SOLUTION) s->report.status = SMG_OK;", ())
 
 
-@pytest.mark.parametrize("name", ["odd_ring", "open_chain", "square", "cubic"])
+@pytest.mark.parametrize("name", ["odd_ring", "open_chain", "square", "cubic", "joined"])
 def test_steps_exist_up_to_the_end_of_their_branch(name, tmp_path):
     numbers, violations = run(name, tmp_path, 1, 0, 24)
     assert not violations and numbers["before"] > 40 and numbers["beyond"] > 0
