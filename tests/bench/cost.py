@@ -104,7 +104,7 @@ def more(place: Path, systems: dict):
     found = {name: smidgen.load_cost(place / f"{name}.csv") for name in systems if (place / f"{name}.csv").exists()}
     if found:
         yield f"## The fastest methods, {width}\n\n{HOW_FIRST}\n\n{summary(found)}\n\n{short_of(found)}\n"
-    for title, bench, name in (("What each guarantee costs", promises, "promises.csv"), ("Random Hamiltonians", choose_random, "choose_random.csv")):
+    for title, bench, name in (("What each guarantee costs", promises, "promises.csv"), ("Random Hamiltonians", choose_random, "choose_random.csv"), ("Random lattices that go by rows", choose_random, "choose_rows.csv")):
         if (place / name).exists():
             with open(place / name, newline="") as lines:
                 yield f"## {title}, {width}\n\n[{name}](cost/{place.name}/{name})\n\n{bench.words(list(csv.DictReader(lines)))}\n"
