@@ -26,8 +26,8 @@ RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_a
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
                  r"|/method/test_(sublattice_rows|tangent)\.py|/language/test_draws\.py")
 # Those of which tests that are slow take more.
-SLOW = re.compile(r"test_(bad_steps|compositions|draws|edges_of_\w+|held|lanes|noise_edges|pair_rows|parameters|row_blocks|row_wave|rows|rows_composed|rows_tangent|set_state"
-                  r"|shared_model|spoilt_states|statuses|tangent|tolerance)\.py")
+SLOW = re.compile(r"test_(bad_steps|compositions|dop853_header|draws|edges_of_\w+|ensemble|field_rows|gauss_header|gauss_rows|held|interface|lanes|noise|noise_edges|pair_rows|parameters"
+                  r"|row_blocks|row_wave|rows|rows_composed|rows_tangent|runtime|set_state|shared_model|spoilt_states|statuses|tangent|tolerance)\.py")
 DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
 
