@@ -244,6 +244,7 @@ SMG_INLINE void smg_after_rows(const smg_coefficients *c, int64_t length, int64_
 typedef struct smg_beside {
   int64_t start, around, from, to, there;
 } smg_beside;
+
 #define SMG_EVERYWHERE INT64_MAX
 
 /* In blocks: how many slots what is beside lane 0 of a vector stands from that, SMG_BESIDES of them; where it is not

@@ -24,7 +24,6 @@ static inline smg_real smg_halfway(const smg_state *s, int64_t k, const smg_real
   smg_waxpy(mbar, 0.5, u, s->w + 3 * k, 3);
   return smg_project(&s->c, k, smg_leaf_value(s, k), mbar, m);
 }
-
 #endif
 
 /* Where the sweeps begin: w + u/2 with u extrapolated; of rotations P of it. */

@@ -55,7 +55,7 @@ def field_colouring(lattices) -> Colouring:
 def first_joining(lattices, numbers) -> Colouring | None:
     """The first of these numbers of colours that serves; which does not depend on the weights that are taken, as long as rows hold all colours."""
     places, others = lattices[0].sites, (0,) * (len(lattices[0].size) - 1)
-    served = next((n for n in numbers if serves(Colouring(n, (n > 1, *others), (0,) * places), lattices)), None)
+    served = next((n for n in numbers if serves(Colouring(n, (int(n > 1), *others), (0,) * places), lattices)), None)
     return None if served is None else joining(lattices, served)
 
 

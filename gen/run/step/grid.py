@@ -55,7 +55,7 @@ class Rows:
         if len(grid) != len(self.size):
             return f"this lattice has {len(self.size)} directions"
         if self.meet:
-            return "no few colours that keep neighbours apart fit the periodic directions of this size"
+            return "no small number of colours separates all neighbours and fits the periodic directions"
         if self.seam is not None:
             return f"the size of the periodic direction {self.seam} is not a multiple of the number of colours"
         if cut and (below := prod((self.slots, *self.size[1:])[:max(1, cut[0])])) % VECTOR:
