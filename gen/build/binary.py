@@ -137,6 +137,17 @@ def takes(compiler: tuple[str, ...], flags: tuple[str, ...]) -> bool:
 
 
 @functools.lru_cache(maxsize=None)
+def macros_of(compiler: tuple[str, ...], flags: tuple[str, ...]) -> str:
+    """The macros that the compiler defines with these flags; "" where it does not know them."""
+    return ran([*compiler, *flags, "-dM", "-E", "-x", "c", os.devnull]).stdout
+
+
+def native_of(compiler: tuple[str, ...]) -> tuple[str, ...]:
+    """-march=native, where the compiler knows it."""
+    return NATIVE if macros_of(compiler, NATIVE) else ()
+
+
+@functools.lru_cache(maxsize=None)
 def lanes_of(compiler: tuple[str, ...], flags: tuple[str, ...]) -> int:
     """Numbers of double precision in a register for which models with lanes are compiled by these flags, as smg_lanes.h has it."""
     with tempfile.TemporaryDirectory(prefix="smidgen-") as folder_:
@@ -150,7 +161,7 @@ def unfused(compiler: tuple[str, ...], flags: tuple[str, ...]) -> tuple[str, ...
     """What keeps gcc from fusing products and sums, where the processor that these flags name can, and they do not ask for it."""
     if FAST[-1] in flags:
         return ()
-    macros = ran([*compiler, *flags, "-dM", "-E", "-x", "c", os.devnull]).stdout
+    macros = macros_of(compiler, flags)
     return UNFUSED if "__FP_FAST_FMA " in macros and "__GNUC__" in macros and "__clang__" not in macros else ()
 
 
@@ -202,8 +213,8 @@ def _generate(program, plan, features):
 
 def _build_into(work, text, compiler, flags, wide, apart=True):
     files, notes = split_notes(text())
-    if wide and notes.get("lanes") and takes(compiler, NATIVE):
-        flags = (*flags, *NATIVE)
+    if wide and notes.get("lanes"):
+        flags = (*flags, *native_of(compiler))
     flags = (*flags, *unfused(compiler, flags))
     write_files(files, work)
     compile_shared(work, sorted(f for f in files if f.endswith(".c")), compiler, flags, notes.get("units", 1) if apart else 1, SECOND if notes.get("rows") else ())

@@ -11,7 +11,7 @@ from datetime import datetime, timezone
 
 import numpy as np
 
-from ..build.binary import NATIVE, compiler_version, find_compiler, lanes_of, takes
+from ..build.binary import compiler_version, find_compiler, lanes_of, native_of
 from ..errors import RunError, UsageError
 from ..language.spec import Spec
 from ..methods import METHODS
@@ -102,7 +102,7 @@ def facts(case: Case, known) -> dict:
 def measured(native: bool | None) -> dict:
     """When, by which compiler, and how many numbers the vectors of models with lanes held."""
     compiler = find_compiler()
-    wide = NATIVE if native is not False and takes(compiler, NATIVE) else ()
+    wide = native_of(compiler) if native is not False else ()
     return {"date": datetime.now(timezone.utc).date().isoformat(), "compiler": compiler_version(compiler), "lanes": lanes_of(compiler, wide)}
 
 

@@ -3,14 +3,18 @@
  * Sweeps with a part of h are a contraction whatever the state, if it is small (smg_row_state.h): from there on the
  * midpoints of larger parts are extrapolated, by a parabola through those of the last three (of the first, 0, they are
  * w), and swept. The pace is as long as sweeps move them by a small part of what the pace does, up to the whole of
- * h. */
+ * h. Slow sweeps may end too early: so where two paces fail, the midpoints from which they begin are swept again. */
 #ifndef SMG_ROW_FOLLOW_H
 #define SMG_ROW_FOLLOW_H
 
 #include "smg_follow.h"
 #include "smg_row_settle.h"
 
-#define SMG_PATH_SWEEPS 600 /* of all paces, before Newton takes over: they take as long as some 60 of its iterations */
+#define SMG_PATH_SWEEPS 6000 /* of all paces, before Newton takes over: on 8^3 spins it takes as long as some 70000 */
+#define SMG_PART_SWEEPS 1000 /* of one pace, before sweeps are relaxed more */
+/* where sweeps do not settle, the relaxation factor is multiplied by the first number, unless it is below the second */
+#define SMG_RELAXED_RATIO (smg_real)0.7
+#define SMG_RELAXED_LEAST (smg_real)0.25
 /* the first parts of h: of the state, how far midpoints may be off; by what factor a part is made smaller that the
  * bound does not hold for */
 #define SMG_PATH_ROUGH (smg_real)1e-3
@@ -102,12 +106,25 @@ static void smg_keep_point(const smg_state *s, smg_row_path *path, smg_real part
   smg_rows_copy(s, oldest, s->row_m);
 }
 
-/* Sweeps from the midpoints that are foreseen for a part, until they are exact to a small part of the pace; 0 if a
- * sweep moves them too far. */
-static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
+/* Sweeps with a part of h, no more than a few, until midpoints are exact to a small part of the pace; 0 if they are too
+ * slow, or if a sweep moves them too far. */
+static int smg_sweep_few(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
+  const int64_t few = SMG_PART_SWEEPS * SMG_COLOURS, others = a->left > few ? a->left - few : 0;
   smg_turn_beyond(s, part * h, a);
   a->most = SMG_STRAIGHT * pace + SMG_NEARLY * s->scale;
-  return smg_settle_beyond(s, a, SMG_PATH_LEFT * pace);
+  a->left -= others;
+  const int rests = smg_settle_beyond(s, a, SMG_PATH_LEFT * pace);
+  a->left += others;
+  return rests;
+}
+
+/* The same by sweeps that are relaxed as much as it takes. */
+static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
+  while (!smg_sweep_few(s, h, a, part, pace)) {
+    if (!(a->sweep.whole.now <= a->most) || a->left < 0 || a->relax < SMG_RELAXED_LEAST) return 0;
+    a->relax *= SMG_RELAXED_RATIO;
+  }
+  return 1;
 }
 
 /* 0, three quarters of what is certain, and that. */
@@ -166,13 +183,27 @@ static inline smg_real smg_next_part(smg_real part, smg_real step) {
   return left <= step ? 1 : part + (left < 2 * step ? left / 2 : step);
 }
 
+/* The newest midpoints again, exact to a small part of a shorter pace. */
+static int smg_refine_point(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path) {
+  for (; a->left >= 0 && a->relax >= SMG_RELAXED_LEAST; a->relax *= SMG_RELAXED_RATIO) {
+    smg_rows_copy(s, s->row_m, path->m[0]);
+    if (!smg_sweep_part(s, h, a, path->part[0], path->pace)) continue;
+    smg_rows_copy(s, path->m[0], s->row_m);
+    return 1;
+  }
+  return 0;
+}
+
 /* Up to the whole of h; 0 where paces become too short. */
 static int smg_follow_rows(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path) {
+  int failed = 0;
   if (!smg_begin_path(s, h, a, path)) return 0;
-  for (smg_real step = SMG_PATH_FIRST * path->part[0]; step > SMG_PATH_SHORTEST;) {
+  for (smg_real step = SMG_PATH_FIRST * path->part[0]; a->left >= 0 && step > SMG_PATH_SHORTEST;) {
     const smg_real part = smg_next_part(path->part[0], step), missed = smg_pace_to(s, h, a, path, part);
     if (part == 1 && missed <= SMG_STRAIGHT) return 1;
-    if (missed <= SMG_STRAIGHT) smg_keep_point(s, path, part);
+    failed = missed <= SMG_STRAIGHT ? 0 : failed + 1;
+    if (failed == 0) smg_keep_point(s, path, part);
+    if (failed > 1 && !smg_refine_point(s, h, a, path)) return 0;
     step *= smg_longer(missed);
   }
   return 0;

@@ -135,7 +135,7 @@ def test_a_pulse_is_seen_wherever_it_is(seed):
     assert found.rate_t == pytest.approx(values["at"], abs=values["width"] / 3)
     assert abs(found.h) <= 2.05 * math.pi / found.rate
     fine = found.fine
-    assert fine <= math.sqrt(0.012) / found.rate and f"with h = {fine:.3g} its phase is accurate to 0.1 %" in " ".join(found.words())
+    assert fine <= math.sqrt(0.012) / found.rate and f"with h = {sign * fine:.3g} its phase is accurate to 0.1 %" in " ".join(found.words())
     model, whole = smidgen.build(spec, parameters=values), 10 + abs(strength) * values["width"] * math.sqrt(math.pi)
     error = np.abs(end_state(model, sign * fine, sign * 10) - end_state(model, sign * fine / 8, sign * 10)).max()
     assert error < 1e-3 * whole

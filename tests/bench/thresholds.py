@@ -23,7 +23,7 @@ HERE = Path(__file__).resolve().parent
 RUNTIME, DOCS = HERE.parents[1] / "runtime", HERE.parents[1] / "docs"
 HEADERS = ("core/smg_site.h", "core/smg_tolerances.h", "newton/smg_follow.h", "newton/smg_krylov.h", "newton/smg_matrix_free.h", "lattice/smg_row_state.h",
            "lattice/smg_row_follow.h", "lattice/smg_row_settle.h")
-FROM_ONE = ("SMG_ALONG", "SMG_LONGER", "SMG_PATH_SMALLER", "SMG_RELAXED", "SMG_FADING")     # a cosine and ratios, of which the distance from 1 is halved and doubled
+FROM_ONE = ("SMG_ALONG", "SMG_LONGER", "SMG_PATH_SMALLER", "SMG_RELAXED", "SMG_RELAXED_RATIO", "SMG_FADING")     # a cosine and ratios, of which the distance from 1 is halved and doubled
 SIZES = ("SMG_KRYLOV_BASIS", "SMG_KRYLOV_SHORT", "SMG_ROW_HISTORY", "SMG_ROW_SPARE", "SMG_PATH_POINTS", "SMG_PATH_ARRAYS")     # of arrays: no factor can change them
 DEFINE = re.compile(r"^#define (SMG_[A-Z_]+) +(\([^*/]*\)|\S+)( +/\*|$)", re.M)
 TRIALS = 24

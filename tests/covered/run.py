@@ -20,14 +20,14 @@ LEAST = 0.99
 # The tests of the headers, and of steps that come to their edges, as few files as take all branches that any takes; without other
 # compilers and copies with faults.
 RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_at_large_steps|row_(blocks|wave)|rows"
-                 r"|rows_(absent|beyond|by_site|classical|composed|families|far|growing|held|in_time|radii|tangent|torques)|runtime|shown|sparse|states_without_memory|units)\.py"
+                 r"|rows_(absent|beyond|by_site|classical|composed|families|far|growing|held|in_time|radii|tangent|torques)|runtime|shown|sparse|states_without_memory|tracers_in_lanes|units)\.py"
                  r"|/run/test_(checkpoint|ensemble|interface|nearness|parameters|set_state|shared_model|spoilt_states|statuses|tolerance)\.py"
-                 r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|response|second_solution)\.py"
+                 r"|/laws/test_(accepted_steps|bad_steps|damping|held|noise|noise_edges|parallel_spins|response|second_solution)\.py"
                  r"|/method/test_(comparators|compositions|dop853_header|field_rows|gauss_header|gauss_rows|pair_rows|splittings)\.py"
                  r"|/method/test_(sublattice_rows|tangent)\.py|/language/test_draws\.py")
 # Those of which tests that are slow take more.
-SLOW = re.compile(r"test_(bad_steps|compositions|dop853_header|draws|edges_of_\w+|ensemble|field_rows|gauss_header|gauss_rows|held|interface|lanes|noise|noise_edges|pair_rows|parameters"
-                  r"|row_blocks|row_wave|rows|rows_composed|rows_tangent|runtime|set_state|shared_model|spoilt_states|statuses|tangent|tolerance)\.py")
+SLOW = re.compile(r"test_(bad_steps|compositions|dop853_header|draws|edges_of_\w+|ensemble|field_rows|gauss_header|gauss_rows|held|interface|lanes|noise|noise_edges|pair_rows|parallel_spins|parameters"
+                  r"|response|row_blocks|row_wave|rows|rows_composed|rows_tangent|runtime|set_state|shared_model|spoilt_states|states_without_memory|statuses|tangent|tolerance)\.py")
 DESELECTED = "not mutants and not meanwhile and not clang and not g++"
 
 

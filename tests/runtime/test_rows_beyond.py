@@ -92,8 +92,9 @@ n = 8
 over = "bond(i, j) of cubic(n, n, n, periodic)"
 energy = "-dot(w[i], w[j])"
 """
-SHORT = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 600", "#define SMG_PATH_SWEEPS 40", ())
-UNRELAXED = Fault("", "smg_row_settle.h", "#define SMG_RELAXED (smg_real)0.8", "#define SMG_RELAXED (smg_real)0.999", ())
+SHORT = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 6000", "#define SMG_PATH_SWEEPS 40", ())
+FEWER = Fault("", "smg_row_follow.h", "#define SMG_PATH_SWEEPS 6000", "#define SMG_PATH_SWEEPS 600", ())
+UNRELAXED = Fault("", "smg_row_settle.h", "#define SMG_RELAXED (smg_real)0.8", "#define SMG_RELAXED (smg_real)0.999", (), more=(("smg_row_follow.h", "#define SMG_RELAXED_LEAST (smg_real)0.25", "#define SMG_RELAXED_LEAST (smg_real)2"),))
 EAGER = Fault("", "smg_row_settle.h", "  if (a->sweep.passes < 2 * SMG_COLOURS || a->ratio >= 1) return SMG_MAX;", "  if (a->sweep.passes < SMG_COLOURS) return SMG_MAX;", ())
 
 
@@ -103,7 +104,7 @@ def by_rows(model) -> bool:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("h, fault, expected", [(0.673, None, True), (0.673, SHORT, False), (1.05, None, True), (1.05, UNRELAXED, False), (1.05, EAGER, False)])
+@pytest.mark.parametrize("h, fault, expected", [(1.4, None, True), (1.4, FEWER, False), (0.673, None, True), (0.673, SHORT, False), (1.05, None, True), (1.4, UNRELAXED, False), (1.05, EAGER, False)])
 def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(h, fault, expected, monkeypatch, tmp_path):
     if fault:
         plant(monkeypatch, tmp_path, fault)
@@ -111,6 +112,24 @@ def test_sweeps_that_settle_slowly_go_on_at_the_end_of_the_path(h, fault, expect
     w = np.stack([np.cos(angle), np.sin(angle), 0.3 + 0 * angle], axis=1) + 0.02 * np.random.default_rng(2).standard_normal((512, 3))
     model = smidgen.build(smidgen.load_text(SPIRAL))
     assert by_rows(model.start(w / np.linalg.norm(w, axis=1)[:, None], h=h)) == expected
+
+
+ROUGH = Fault("", "smg_row_follow.h", "    if (failed > 1 && !smg_refine_point(s, h, a, path)) return 0;\n", "    (void)(smg_refine_point, failed);\n", ())
+ALIKE = Fault("", "smg_row_follow.h", "#define SMG_RELAXED_LEAST (smg_real)0.25", "#define SMG_RELAXED_LEAST (smg_real)0.9", ())
+
+
+@pytest.mark.parametrize("fault", [None, pytest.param(ROUGH, marks=pytest.mark.long), pytest.param(ALIKE, marks=pytest.mark.long)])
+def test_branches_are_followed_by_rows_nearly_to_their_ends(fault, monkeypatch, tmp_path):
+    """Where points of the path are refined, and sweeps that settle slowly are relaxed more; the solution is that of Newton's method."""
+    spec = smidgen.load_text(SPIRAL + "[starts.s]\nrandom = 1\n")
+    model = smidgen.build(spec)
+    plant(monkeypatch, tmp_path, fault or SHORT)
+    other, ways = smidgen.build(spec), []
+    for seed in (0, 2, 3, 7, 9):
+        assert by_rows(model.start("s", seed=seed, h=0.65))
+        ways.append(by_rows(other.start("s", seed=seed, h=0.65)))
+        assert np.abs(model.w - other.w).max() < 1e-12
+    assert not all(ways)
 
 
 @pytest.mark.parametrize("flat", [True, False])

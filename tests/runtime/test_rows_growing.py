@@ -19,7 +19,6 @@ def started(name, h=0.4):
     return smidgen.build(SPECS[name]).start("random", h=h, t0=START[name])
 
 
-
 @pytest.mark.parametrize("name", SPECS)
 def test_steps_are_those_of_the_equation(name):
     """From rows to single sites, and from single sites to rows."""
@@ -48,6 +47,16 @@ def test_calls_of_any_length_and_restored_states_have_the_same_bits(name):
 def test_it_is_said_and_costs_others_nothing():
     assert "site by site" not in generate(SPECS["growing"]).notes["reason"]
     assert "SMG_ROWS_IN_TIME" not in generate(lattice("plain", "chain(n, periodic)", 16, "n", EXCHANGE + field("-0.3*cos(t)*w[i].z")))["plain.c"]
+
+
+def test_a_call_ends_with_the_first_step_that_fails():
+    """In the state that calls of one step each leave."""
+    spec = lattice("grown", "square(n, 5, periodic)", 10, "5*n", EXCHANGE.replace("-0.7*", "-0.05*exp(4*t)*"))
+    together, alone = (smidgen.build(spec).start("random", h=0.1) for _ in range(2))
+    taken = together.advance(40)
+    assert 3 < taken < 40
+    assert sum(alone.advance(1) for _ in range(40)) == taken
+    assert np.array_equal(together.save(), alone.save())
 
 
 def test_a_step_with_noise_that_fails_where_the_layout_changes_leaves_the_state():
