@@ -18,18 +18,18 @@ PAGE = """# Speed
 
 `make bench` regenerates this page. Timings are medians of interleaved measurements in one process. Ratios are more reliable than times.
 
-The line above each table gives the machine, the load and the date. The last table, "From a hundred spins to a million", is dated 2026-11-21. It was measured on another machine, with a version of smidgen that did not step lattices by rows. It shows how times and the size of the C depend on the number of spins, not how fast a step is.
+The line above each table gives the machine, the load and the date. The last table, "From a hundred spins to a million", is dated 2026-11-21. It was measured on another machine, with a version of smidgen that did not step lattices by rows. It shows how times and the size of the C depend on the number of spins, but not how long a step takes with this version.
 
 ## One step of the free rigid body, h = 0.1
 
 {body_machine}
 
-The table compares the generated step with hand-written C steps of the same method. All have the same flags, initial guess and stopping criterion (no component changes by more than a unit in the last place). The generated step also has a status, a branch check and a carry (the stored rounding error), which the hand-written steps lack.
+The table compares the generated step with hand-written C steps of the same method. All are compiled with the same flags, and use the same initial guess and the same stopping criterion (no component changes by more than a unit in the last place). The generated step also returns a status, checks the branch, and stores the rounding error of the state (the carry); the hand-written steps do none of this.
 
 {body}
 
 The hand-written designs are in `tests/bench/free_body/hand.c`. The generated step solves for u = W - w and q = 1/|w + W| together, by
-Newton's method from an extrapolation of degree 6. Because the field is divergence-free on the tangent plane, the inverse of the 2x2 matrix is obtained from two products with DX (Cayley and Hamilton), and its determinant gives the branch check. [costs.md](costs.md#what-each-guarantee-costs-vectors-of-8-lanes) shows what the carry and the branch check cost. The ratio depends on the processor:
+Newton's method, starting from an extrapolation of degree 6. Because the field is divergence-free on the tangent plane, the inverse of the 2x2 matrix is obtained from two products with DX (by the Cayley-Hamilton theorem), and its determinant gives the branch check. [costs.md](costs.md#what-each-guarantee-costs-vectors-of-8-lanes) shows what the carry and the branch check cost. The ratio depends on the processor:
 
 {processors}
 
@@ -44,10 +44,10 @@ Times are in nanoseconds per spin and step.
 - `portable` is compiled for any processor of this architecture, with two lanes.
 - `native` is compiled for this processor (`-march=native`), as `smidgen.build` does, and gives the same bits.
 - `fast` also uses fused multiply-add operations (`--fast`), and gives different bits.
-- `site by site` is the time for models that cannot be stepped [by rows](lattices.md#processing-lattices-by-rows); here it is measured on a build of the same model whose steps do not go by rows.
+- `site by site` is the time for models that cannot be stepped [by rows](lattices.md#processing-lattices-by-rows); here it is measured with the same model, built so that it is stepped site by site.
 - `sweeps` is the number of sweeps in the last step, after which there is one more evaluation.
 
-All variants are timed alternately. A call takes at least ten steps. If every step is an output, w is converted to rows and back each time, which takes about 10 ns per spin.
+All variants are timed alternately. A call takes at least ten steps. If the state is output after every step, w is converted to rows and back each time, which takes about 10 ns per spin.
 
 ## Explicit steps on lattices
 
