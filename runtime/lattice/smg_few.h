@@ -4,8 +4,8 @@
  * A site is a slot (smg_slots.h); those beyond the last site, up to a whole vector, belong to none.
  * The model gives smg_few_field(c, all, pitch, i, g), g = dH/dw of the sites i .. i + SMG_LANES - 1 with all vectors in
  * `all`, the other sites one after the other, so that every number of lanes has the same bits; and smg_few_norms, the
- * same with a bound on the norms of the Hessian in their rows. Of tracers smg_alone_field(c, all, site, own, g),
- * with the vectors `own` in the field of those of the state, and smg_alone_change, y += d2H/dw2 d. */
+ * same with a bound on the norms of the Hessian in their rows. Of tracers smg_alone_field(c, all, own, g), with
+ * the vectors `own` in the field of those of the state, and smg_alone_change, y += d2H/dw2 d. */
 #ifndef SMG_FEW_H
 #define SMG_FEW_H
 

@@ -189,13 +189,13 @@ SMG_INLINE smg_few_motion smg_few_still(void) {
   return still;
 }
 
-/* dH/dw of the sites of one vector, and a bound on the norms of the Hessian in their rows. */
+/* dH/dw of the sites of one vector. */
 SMG_INLINE void smg_few_field_at(const smg_state *s, const smg_few_sites *b, int64_t i, smg_lanes *g) {
   for (int k = 0; k < 3; ++k) g[k] = smg_lane_of(0);
 #if SMG_ALONE_IN_LANES
   smg_lanes m[3];
   smg_take_from(3, b->a + SMG_FEW_M * b->pitch + i, b->pitch, m);
-  smg_alone_field(&s->c, s->m, 0, m, g);
+  smg_alone_field(&s->c, s->m, m, g);
 #else
   smg_few_field(&s->c, b->a + SMG_FEW_M * b->pitch, b->pitch, i, g);
 #endif
@@ -209,7 +209,7 @@ SMG_INLINE void smg_few_norms_at(const smg_state *s, const smg_few_sites *b, int
   for (int k = 0; k < 3; ++k) { /* of all three columns */
     smg_lanes d[3] = {smg_lane_of(k == 0), smg_lane_of(k == 1), smg_lane_of(k == 2)},
               y[3] = {smg_lane_of(0), smg_lane_of(0), smg_lane_of(0)};
-    smg_alone_change(&s->c, s->m, 0, m, d, y);
+    smg_alone_change(&s->c, s->m, m, d, y);
     g[3] += smg_lane_dot(y, y);
   }
   g[3] = smg_lane_sqrt(g[3]);

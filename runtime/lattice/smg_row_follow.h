@@ -11,7 +11,6 @@
 #include "smg_row_settle.h"
 
 #define SMG_PATH_SWEEPS 6000 /* of all paces, before Newton takes over: on 8^3 spins it takes as long as some 70000 */
-#define SMG_PART_SWEEPS 1000 /* of one pace, before sweeps are relaxed more */
 /* where sweeps do not settle, the relaxation factor is multiplied by the first number, unless it is below the second */
 #define SMG_RELAXED_RATIO (smg_real)0.7
 #define SMG_RELAXED_LEAST (smg_real)0.25
@@ -106,25 +105,15 @@ static void smg_keep_point(const smg_state *s, smg_row_path *path, smg_real part
   smg_rows_copy(s, oldest, s->row_m);
 }
 
-/* Sweeps with a part of h, no more than a few, until midpoints are exact to a small part of the pace; 0 if they are too
- * slow, or if a sweep moves them too far. */
-static int smg_sweep_few(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
-  const int64_t few = SMG_PART_SWEEPS * SMG_COLOURS, others = a->left > few ? a->left - few : 0;
-  smg_turn_beyond(s, part * h, a);
-  a->most = SMG_STRAIGHT * pace + SMG_NEARLY * s->scale;
-  a->left -= others;
-  const int rests = smg_settle_beyond(s, a, SMG_PATH_LEFT * pace);
-  a->left += others;
-  return rests;
-}
-
-/* The same by sweeps that are relaxed as much as it takes. */
+/* Sweeps with a part of h, relaxed as much as it takes, until midpoints are exact to a small part of the pace; 0 if
+ * they are too slow, or if a sweep moves midpoints too far. */
 static int smg_sweep_part(smg_state *s, smg_real h, smg_beyond *a, smg_real part, smg_real pace) {
-  while (!smg_sweep_few(s, h, a, part, pace)) {
+  for (;; a->relax *= SMG_RELAXED_RATIO) {
+    smg_turn_beyond(s, part * h, a);
+    a->most = SMG_STRAIGHT * pace + SMG_NEARLY * s->scale;
+    if (smg_settle_beyond(s, a, SMG_PATH_LEFT * pace)) return 1;
     if (!(a->sweep.whole.now <= a->most) || a->left < 0 || a->relax < SMG_RELAXED_LEAST) return 0;
-    a->relax *= SMG_RELAXED_RATIO;
   }
-  return 1;
 }
 
 /* 0, three quarters of what is certain, and that. */
@@ -185,13 +174,10 @@ static inline smg_real smg_next_part(smg_real part, smg_real step) {
 
 /* The newest midpoints again, exact to a small part of a shorter pace. */
 static int smg_refine_point(smg_state *s, smg_real h, smg_beyond *a, smg_row_path *path) {
-  for (; a->left >= 0 && a->relax >= SMG_RELAXED_LEAST; a->relax *= SMG_RELAXED_RATIO) {
-    smg_rows_copy(s, s->row_m, path->m[0]);
-    if (!smg_sweep_part(s, h, a, path->part[0], path->pace)) continue;
-    smg_rows_copy(s, path->m[0], s->row_m);
-    return 1;
-  }
-  return 0;
+  smg_rows_copy(s, s->row_m, path->m[0]);
+  if (!smg_sweep_part(s, h, a, path->part[0], path->pace)) return 0;
+  smg_rows_copy(s, path->m[0], s->row_m);
+  return 1;
 }
 
 /* Up to the whole of h; 0 where paces become too short. */

@@ -123,12 +123,6 @@ static inline smg_alike smg_rows_alike(int64_t from, int64_t to, int64_t q, int6
   return found;
 }
 
-/* The first slot of a row in its colour. */
-static inline int64_t smg_row_slot(const smg_coefficients *c, int64_t rank, const int64_t *s) {
-  return ((rank * smg_cells(c, 3) + s[3]) * smg_cells(c, 2) + s[2]) * smg_below(c, 2) +
-         smg_place_in_plane(c, s[1]) * smg_row_length(c);
-}
-
 /* The k-th strip of a box in a colour. */
 static smg_share smg_strip(const smg_coefficients *c, int64_t colour, const smg_box *b, int64_t k) {
   const int whole = smg_whole_directions(c, b);
@@ -142,7 +136,7 @@ static smg_share smg_strip(const smg_coefficients *c, int64_t colour, const smg_
   if (whole > 0) s[whole] = b->from[whole];
   if (whole == 1) s[1] = rows.rows > 0 ? rows.first : 0;
   slots = whole == 1 ? rows.rows * smg_row_length(c) : (b->to[whole] - b->from[whole]) * smg_below(c, whole);
-  strip.from = first + smg_row_slot(c, k, s) + (whole == 0 ? b->from[0] : 0);
+  strip.from = first + smg_row_slot(c, k, s[1], s[2], s[3]) + (whole == 0 ? b->from[0] : 0);
   strip.to = strip.from + slots;
   return strip;
 }

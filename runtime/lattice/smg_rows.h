@@ -93,8 +93,7 @@ static inline int64_t smg_colour_slots(const smg_coefficients *c) {
 }
 static inline int64_t smg_slots(const smg_coefficients *c) { return SMG_COLOURS * smg_colour_slots(c); }
 
-/* slots of a colour that are worth a thread: some 8 microseconds of work, where to begin and to end a team takes 1 to
- * 2 */
+/* slots of a colour that are worth a thread: some 8 microseconds of work; a team takes 1 to 2 to begin and end */
 #ifndef SMG_SHARE
 #define SMG_SHARE 1024
 #endif
@@ -135,11 +134,14 @@ static inline int64_t smg_place_in_plane(const smg_coefficients *c, int64_t s1) 
   return q * (smg_cells(c, 1) / step) + (q < longer ? q : longer) + s1 / step;
 }
 
+/* The first slot of a row in its colour, and in all. */
+static inline int64_t smg_row_slot(const smg_coefficients *c, int64_t rank, int64_t s1, int64_t s2, int64_t s3) {
+  const int64_t plane = (rank * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2;
+  return (plane * smg_cells(c, 1) + smg_place_in_plane(c, s1)) * smg_row_length(c);
+}
 static inline int64_t smg_row_start(const smg_coefficients *c, int64_t colour, int64_t sub, int64_t s1, int64_t s2,
                                     int64_t s3) {
-  const int64_t row =
-      ((smg_rank(sub) * smg_cells(c, 3) + s3) * smg_cells(c, 2) + s2) * smg_cells(c, 1) + smg_place_in_plane(c, s1);
-  return colour * smg_colour_slots(c) + row * smg_row_length(c);
+  return colour * smg_colour_slots(c) + smg_row_slot(c, smg_rank(sub), s1, s2, s3);
 }
 
 /* Kinds of rows: what stands beside one depends, along a direction, on its cell alone where that is within SMG_REACH_d

@@ -61,6 +61,20 @@ def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
     assert same_in_lanes(lambda lanes: built(monkeypatch, SPECS[name], lanes=lanes), widths)
 
 
+LIEB = """[lattices.lieb]
+size = ["n", 4]
+sites = 3
+boundary = "open"
+bonds.near = [{ from = 0, to = 1, offset = [0, 0] }, { from = 1, to = 0, offset = [1, 0] }, { from = 0, to = 2, offset = [0, 0] }, { from = 2, to = 0, offset = [0, 1] }]
+"""
+
+
+def test_colours_have_as_many_sites_as_others():
+    """Two of three places have the same colour, though no bond reaches far."""
+    spec = lattice("lieb", "lieb.near", 8, "12*n", EXCHANGE, LIEB)
+    assert generate(spec, "sublattice-rotations").notes["reason"].endswith("site by site, because its colours have different numbers of sites")
+
+
 @pytest.mark.skipif("clang" not in COMPILERS, reason="no clang")
 def test_another_compiler_has_them_too(monkeypatch):
     assert same_by_clang(lambda **how: built(monkeypatch, SPECS["three colours"], **how))

@@ -158,7 +158,7 @@ IN_ROWS = (
     (ROWS, r"ring & 1 \? o->cell\[0\] % n : o->cell\[0\]", r"o->cell[0]"),
     (ROWS, r"if \(ring\) \*s = smg_wrap\(\*s, n\);", r""),
     (ROWS, r"at->first - SMG_TURN_0 \* SMG_WEIGHT_1", r"at->first"),
-    (ROWS, r"smg_rank\(sub\) \* smg_cells\(c, 3\)", r"0 * smg_cells(c, 3)"),
+    (ROWS, r"\(rank \* smg_cells\(c, 3\)", r"(0 * smg_cells(c, 3)"),
     (ROWS, r"smg_lane_choose\(v, within, v, far, 3\);", r";"),
     (ROWS, r"\(at < \(smg_real\)b->to\)", r"(at <= (smg_real)b->to)"),
     (ROWS, r"end = smg_cells\(c, 1\) - SMG_REACH_1", r"end = smg_cells(c, 1)"),

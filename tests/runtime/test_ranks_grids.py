@@ -244,6 +244,15 @@ def test_lattices_that_no_grid_cuts_are_refused(spec, said):
         cut(spec, "1x2x1", 2)
 
 
+BETWEEN = '[effects.push]\nover = "bond(i, j) of cubic(16, 4, n, periodic)"\ntorque = "0.1*cross(w[i], cross(w[i], w[j]) - w[j])"\n'
+
+
+def test_torques_on_bonds_count_too():
+    assert cut(block(BETWEEN), "1x1x2", 2) == (1, 1, 2)
+    with pytest.raises(UsageError, match="the periodic direction 2 is not a multiple of the number of colours"):
+        cut(block(EXCHANGE + BETWEEN, "cubic(16, 4, n, open)", 5), "1x1x2", 2)
+
+
 def test_a_grid_is_three_numbers_or_auto(monkeypatch):
     monkeypatch.setattr(ranks, "grid", None)
     for asked in ("2", "1x2x2", "auto", None):

@@ -97,7 +97,7 @@ FAULTS = {
     "the bound of rows": Fault("by rows", STATE, "#define SMG_ROW_BOUND (smg_real)0.9", "#define SMG_ROW_BOUND (smg_real)45", CUBIC),
     "the tolerance of rows": Fault("tolerance", "smg_row_sweep.h", "* sweep->whole.rate * sweep->whole.now))", "* sweep->whole.rate * sweep->whole.now / 100))", CUBIC, LONG,
                                    more=(("smg_row_step.h", "return smg_tolerated(s, s->report.residual);", "return smg_tolerated(s, s->report.residual / 100);"),)),
-    "the end of passes": Fault("settled", "smg_row_sweep.h", "return smg_rest_settled(&sweep->whole, SMG_EPS * s->scale)", "return smg_rest_settled(&sweep->whole, 1000 * SMG_EPS * s->scale)", CUBIC, LONG),
+    "the end of passes": Fault("settled", "smg_row_sweep.h", "return smg_rest_settled(&sweep->whole, SMG_EPS * scale)", "return smg_rest_settled(&sweep->whole, 1000 * SMG_EPS * scale)", CUBIC, LONG),
     "a weight of degree 3": Fault("predictor", "smg_polynomial.h", "{4, -6, 4, -1}", "{4, -6, 4.1, -1}", CUBIC),
     "a weight of degree 3 of a single sphere": Fault("predictor", "smg_single_sphere.h", "{4, 4, 4, 4, -6, -6, -6, -6, 4, 4, 4, 4, -1, -1, -1, -1}", "{4, 4, 4, 4, -6, -6, -6, -6, 4.1, 4.1, 4.1, 4, -1, -1, -1, -1}", BODY),
     "the order of the history": Fault("iterations", "smg_row_step.h", "  smg_remember(s, SMG_ROW_HISTORY, &s->row_late);", "  smg_remember(s, SMG_ROW_HISTORY, &s->row_late);\n  if (s->history > 2) { smg_real *one = s->past[1]; s->past[1] = s->past[2]; s->past[2] = one; }", CUBIC),

@@ -15,7 +15,7 @@ from .lanes import in_lanes, renamed
 from .part import MOST_LANES, Part
 from .sums import gathered
 
-ARGUMENTS = (COEFFICIENTS, Argument("const smg_real *", "all"), Argument("int64_t", "site"), Argument("const smg_lanes *", "own"), Argument(OUT, "g"))
+ARGUMENTS = (COEFFICIENTS, Argument("const smg_real *", "all"), Argument("const smg_lanes *", "own"), Argument(OUT, "g"))
 
 
 def tracers_in_lanes(model):
@@ -38,7 +38,7 @@ def serves(t, k: int) -> bool:
 def alone_functions(model) -> list:
     family = model.alone_in_lanes
     kernels = [in_lanes(f) for t, k in model.roles(family.name) for f in t.functions if f.name in (f"{t.prefix}_gradient", f"{t.prefix}_hessian_{k}{k}")]
-    change = (*ARGUMENTS[:4], Argument("const smg_lanes *", "d"), Argument(OUT, "y"))
+    change = (*ARGUMENTS[:3], Argument("const smg_lanes *", "d"), Argument(OUT, "y"))
     return [*dict.fromkeys(kernels), Function("void", "smg_alone_field", ARGUMENTS, gathered(model, family.name, gradient_calls), target="lanes", wanted=True),
             Function("void", "smg_alone_change", change, gathered(model, family.name, change_calls), target="lanes", wanted=True)]
 

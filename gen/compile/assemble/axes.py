@@ -49,8 +49,6 @@ def axes_in_use(model) -> int:
 
 def axis_functions(model) -> list:
     """The kernels, and what runtime/method/explicit/smg_axis_splitting.h asks of a model."""
-    if model.axes is None:
-        return []
     of_sites = slope_of_site if is_separate(model) else slopes_of_all
     return [*(f for found in model.axes for f in found.values()), *(of_sites(model, a) for a in range(3))]
 

@@ -59,7 +59,7 @@ def family_codes(low, spec, coupled) -> tuple:
         kappa = low.formula(f.kappa)
         radius = low.formula(f.radius) if f.kind == "sphere" else None
         normal = normal_kernel(low, f) if f.kind == "nambu" else None
-        found.append(FamilyCode(f, count, total(*first), total(*mine), kappa, radius, normal, h_over(low, f, kappa), low.formula(there(spec, f))))
+        found.append(FamilyCode(f, count, total(*first), total(*mine), kappa, radius, normal, h_over(low, f), low.formula(there(spec, f))))
         first.append(count)
         mine.append(count)
     return tuple(found)
@@ -76,7 +76,7 @@ def normal_kernel(low, f) -> Kernel:
     return low.kernel([sum(values[3 * r + k] * v[k] for k in range(3)) for r in range(3)], leaves, own=V)
 
 
-def h_over(low, f, kappa: Kernel):
+def h_over(low, f):
     """h/kappa, as a product with a hoisted inverse where kappa is the same for all sites."""
     value, leaves = scalar(f.kappa)
     inverse = low.kernel([1 / value], leaves)

@@ -144,8 +144,6 @@ def one_division(expressions, own: dict, parts: dict) -> tuple:
 # What runtime/lattice/smg_few_step.h asks of a model
 
 def few_functions(model) -> list:
-    if model.few is None:
-        return []
     arguments = (COEFFICIENTS, Argument("const smg_real *", "all"), Argument("int64_t", "pitch"), Argument("int64_t", "i"), Argument(OUT, "g"))
     bodies = {"smg_few_field": field(model, 3, lambda p: p.field), "smg_few_norms": field(model, 4, lambda p: p.norms)}
     return [*(f for p in model.few for f in (p.field, p.norms)),

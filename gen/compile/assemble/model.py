@@ -54,7 +54,7 @@ class Model:
         self.reach = reach(self, low) if plan.rotation else None
         self.edge_norms = edge_norms(self, low) if self.reach is not None else {}
         self.add(PARTS[len(FIRST):], low)
-        self.plan = with_layout(plan, self.method, {part.layout for part in self.parts}, self.why_by_site)
+        self.plan = with_layout(plan, self.method, {part.layout for part in self.parts})
         self.low, self.coefficients = low, low.finished()
 
     def add(self, parts, low):
@@ -169,7 +169,7 @@ class Model:
     @property
     def by_site(self) -> str:
         """Why the steps of its lattice go site by site, where they do."""
-        return self.why_by_site if self.plan.layout in ("sites", "rows") else ""
+        return self.why_by_site if self.plan.layout == "sites" else ""
 
     def lifts(self) -> bool:
         """Does the leaf of a coupled site move with w?"""

@@ -100,13 +100,13 @@ def shares(edges):
 def reach(model, low):
     """Family -> sum of bounds on the norms of the Hessian blocks in a row, edges of graphs left out, where they are the same for all
     sites; None where a site enters."""
-    if any(f.kind == "nambu" for f in model.coupled) or not all(constant(low, t, k) for f in model.coupled for t, k in of_edges(model, f)):
+    if any(f.kind == "nambu" for f in model.coupled) or not all(constant(low, t) for f in model.coupled for t, k in of_edges(model, f)):
         return None
     found = {f.name: row_sums(model, low, f, lambda t, k: 0 if isinstance(t.over, Graph) else block_norm(low, t, k)) for f in model.coupled}
     return None if None in found.values() else found
 
 
-def constant(low, t, k: int) -> bool:
+def constant(low, t) -> bool:
     """Do both ends of the edge stand at bound indices, and enter no block of the row?"""
     sites = {v for vector in t.derived.vectors for v in vector}
     bound = all(slot in t.over.bound for _, slot in t.slots)

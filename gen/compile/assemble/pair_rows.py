@@ -10,21 +10,17 @@ from ..plan.splitting import bond_classes
 from .lanes import named
 from .pairs import PRODUCT
 from .part import Part
-from .rows import Beside, neighbours
+from .rows import neighbours, seen
 
 LANES = Argument("smg_lanes", PRODUCT.name)
 
 
 def pair_row_functions(model) -> list:
-    if not model.in_rows or not model.pairs:
-        return []
     kernels = [slope_in_lanes(f) for f in model.pairs.values()]
     return [model.in_rows.slopes, *kernels, lane_slope(model), class_table(model)]
 
 
 def pair_row_settings(model) -> dict:
-    if not model.in_rows or not model.pairs:
-        return {}
     last = len(model.in_rows.over.size) - 1
     return {"SMG_ROW_CLASSES": len(bond_classes(model.spec)), "SMG_LAYERED": last if last > 1 else 0}
 
@@ -56,12 +52,10 @@ def class_table(model) -> Table:
 def class_row(model, one) -> tuple:
     """What SMG_CLASS_COLOUR, .. of smg_pair_rows.h name."""
     number, t = next((k, t) for k, t in enumerate(joint(model)) if t.derived.term.name == one.effect)
-    (sub, _), (other, offset) = one.bond[one.first], one.bond[1 - one.first]
-    ring = sum(1 << d for d, closes in enumerate(t.over.periodic) if closes)
-    there = neighbours(model, sub).index(Beside(other, (*offset, 0, 0, 0, 0)[:4], ring))
+    (sub, _), (_, offset) = one.bond[one.first], one.bond[1 - one.first]
+    there = neighbours(model, sub).index(seen(t, one.bond[one.first], one.bond[1 - one.first]))
     away = offset[-1] if len(offset) > 2 else 0
-    rank = sub if model.in_rows.step > 1 else model.in_rows.rank(sub)
-    return one.colour, rank, there, int(t.over.periodic[0]), away, number
+    return one.colour, model.in_rows.rank(sub), there, int(t.over.periodic[0]), away, number
 
 
 class PairsByRows(Part):

@@ -58,8 +58,6 @@ def slope_bound(model, low: Lowering):
 
 def pair_functions(model) -> list:
     """The kernels, and what runtime/method/explicit/smg_pair_rotations.h asks of a model."""
-    if model.pairs is None:
-        return []
     there = tuple(line for t in model.energies if t.slots for line in bonds(model, t))
     return [*model.pairs.values(), visits("smg_each_pair", tidy(there)), visits("smg_each_pair_back", backward(tidy(there))), *class_functions(model)]
 

@@ -22,8 +22,6 @@ def indexed(response: Response) -> bool:
 
 def response_functions(model) -> list:
     """smg_response(c, k, r): r = f, q, F0, Q0 of site k."""
-    if not model.responses:
-        return []
     arguments = (*SITE, Argument("smg_real *", "r"))
     return [by_family("void", "smg_response", arguments, lambda f: stored(model.responding[f.name]), model.families, wanted=True)]
 

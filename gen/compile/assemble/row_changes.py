@@ -50,7 +50,7 @@ def of_values(low, t, one) -> dict:
 def change_functions(model) -> list:
     """smg_changed_slot_gradient: sum += d2H/dw2 times the changes `all` at the points of the run."""
     found = model.in_rows
-    if found is None or not found.changes:
+    if not found.changes:
         return []
     kernels = [f for t in row_terms(model) for f in found.changes[t.prefix].values()]
     body = by_place(model, lambda sub: (*changes_of_place(model, sub), *multiplied(found, width(found))))

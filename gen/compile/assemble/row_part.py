@@ -9,7 +9,7 @@ from .beside_norms import beside_norms, norm_function
 from .effort import beyond_rows, by_rows
 from .part import MOST_LANES, Part, buffer, placed
 from .row_changes import change_functions, changes_of
-from .rows import Rows, besides, kinds_size, number_of_values, row_functions, row_settings, rows, site_values, slots_of
+from .rows import Rows, besides, kinds_size, row_functions, row_settings, rows, site_values, slots_of
 
 
 class ByRows(Part):
@@ -34,7 +34,7 @@ class ByRows(Part):
         return row_settings(model)
 
     def members(self, model):
-        values = [("smg_real *row_values", "values of sites by slots")] if number_of_values(model.in_rows) else []
+        values = [("smg_real *row_values", "values of sites by slots")] if site_values(model) else []
         values += [("void *row_kinds", "what stands beside rows of each kind")] * bool(kinds_size(model) and not model.method.takes_fields)
         values += [("void *row_known", "what stands beside rows, during a call")] * model.method.by_field
         values += [(f"smg_real *row_increments[{model.composed}]", "increments of all stages of the last step by slots, for the tangent map")] * bool(model.composed and model.in_rows.changes)
@@ -80,7 +80,7 @@ class ByRows(Part):
             return 0
         around = sum(value(b.size) for part in model.parts for b in part.around(model))
         slots = slots_of(model, value)
-        return around + slots.arrays(model.method.of_midpoints, model.composed, bool(model.in_rows.changes)) + slots.tables(site_values(model), besides(model), kinds_size(model))
+        return around + slots.arrays(model.method.of_midpoints, model.composed, model.history, bool(model.in_rows.changes)) + slots.tables(site_values(model), besides(model), kinds_size(model))
 
     def lanes(self, model):
         return MOST_LANES

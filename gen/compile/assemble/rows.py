@@ -15,7 +15,7 @@ from ...resources import runtime_numbers
 from ..lower.code import Argument, Assign, Braces, Call, For, Function, If, Let, Name, Return, Scope, Variable, Zeros, where
 from ..lower.integers import ZERO, Index, Pointed, compare, total, whole
 from ..lower.kernels import COEFFICIENTS, field_kernels
-from ..plan.colouring import Colouring, colouring, keeps_apart, kinds_of_rows, serves
+from ..plan.colouring import Colouring, colouring, even, keeps_apart, kinds_of_rows, serves
 from ..plan.contributions import fields_of, laws_of
 from ..plan.splitting import bond_classes, sublattices
 from .bond_values import Bonded, End, Role, bonded, number_functions, number_name, numbers_of, unlike_bonds
@@ -62,7 +62,7 @@ class Rows:
     @property
     def step(self) -> int:
         """Sites of a colour follow each other along direction 0 at this distance."""
-        return self.colours.colours if any(self.colours.weights) else 1
+        return self.colours.step
 
     @property
     def ranks(self) -> int:
@@ -80,7 +80,7 @@ def rows(model, low):
     """`Rows`, or why they do not serve."""
     laws, over = laws_of(model.contributions), one_lattice(lattices(model))
     why_not = of_lattices(model)
-    why_not = why_not if why_not is not None else of_space(model) or of_laws(model) or (None if over else "its sites have no bonds")
+    why_not = why_not if why_not is not None else of_space(model) or of_laws(model)
     if why_not is None and not (model.method.takes_fields or turned(model) or paired(model) or midpoint_rows(model)):
         why_not = f"{model.method.title} has no step by rows" + (f" with {' and '.join(model.features)}" if model.features else "")
     if why_not is not None:
@@ -109,6 +109,8 @@ def rows_of(model, low, over, some, laws):
         return f"the field of {unbounded.called} has no bound that holds at all times"
     colours = model.plan.colours or colouring(lattices(model))
     found = Rows(over, colours, *(alike(model, low, whole, bounds, which) if bounded else None for which in (0, 1)), whole=whole, rated=rated, differing=laws, radii=radii, timely=timely, meet=not keeps_apart(colours, lattices(model)))
+    if not even(colours):
+        return "its colours have different numbers of sites"
     if not fits(found, lattices(model)):
         return f"{longest(model)} reaches too far"
     alone = sited(low, apart, first, lambda t: homes_of(model, t), lambda t: bounds[t.prefix, 0])
@@ -220,8 +222,6 @@ def alike(model, low, whole, bounds, which: int) -> tuple:
 def row_functions(model) -> list:
     """What runtime/lattice/smg_rows.h and smg_row_state.h ask of a model."""
     found = model.in_rows
-    if found is None:
-        return []
     places = range(found.over.sites)
     size = [model.low.size(n) for n in found.over.size]
     apart = [f for one in found.sited.values() for f in one.functions]
@@ -229,7 +229,7 @@ def row_functions(model) -> list:
     gradient = [] if model.pairs else [*kernels, row_gradient(model)]
     return [*apart, *rate_function(found), *law_functions(found), *value_function(found.sited.values(), factors(found), law_values(found) + radius_values(found), zeros(found, number_of_values(found)) if lacking(model.whole) else ()), looked_up("smg_cells", (COEFFICIENTS, Argument("int", "d")), "d", size, whole(1)),
             looked_up("smg_shift", (Argument("int64_t", "sub"),), "sub", [total(found.colours.shift[k]) for k in places]),
-            looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(k if found.step > 1 else found.rank(k)) for k in places]),
+            looked_up("smg_rank", (Argument("int64_t", "sub"),), "sub", [total(found.rank(k)) for k in places]),
             place_function(found), *bounds_of_a_row(model), offsets(model), *gradient]
 
 
@@ -286,8 +286,6 @@ def number_of_values(found: Rows) -> int:
 def row_settings(model) -> dict:
     """The macros of smg_rows.h."""
     found = model.in_rows
-    if found is None:
-        return {}
     weights = (*found.colours.weights, 0, 0, 0, 0)[:4]
     back = pow(weights[0], -1, found.colours.colours) if found.step > 1 else 0
     return {"SMG_ROW_STAGES" if model.method.stage_rows else "SMG_ROW_FIELDS" if model.method.by_field else "SMG_BY_ROWS": 1, **law_settings(found, number_of_values(found) - found.radii - len(found.differing)), **radius_settings(found, number_of_values(found) - 1), **({"SMG_ROWS_IN_TIME": 1} if found.timely else {}), **({"SMG_ROW_TURNS": 1} if turned(model) or model.pairs else {}), "SMG_TANGENT": int("tangent" in model.features), "SMG_ROW_HESSIAN": int(bounded_apart(model)), "SMG_SITE_VALUES": site_values(model), "SMG_BESIDE_NORMS": int(found.norms is not None), "SMG_COLOURS": found.colours.colours, "SMG_PLACES": found.over.sites, "SMG_RANKS": found.ranks,
@@ -480,7 +478,7 @@ def reach_of(model, d: int) -> int:
 
 
 def slots_of(model, value) -> Slots:
-    return Slots(model.in_rows, rings(model), model.low.size, value)
+    return Slots(model.in_rows, lattices(model), model.low.size, value)
 
 
 def site_values(model) -> int:

@@ -16,11 +16,6 @@ VISIT = (COEFFICIENTS, Argument("int64_t", "colour"), Argument("void *", "contex
 PULL = (COEFFICIENTS, Argument("smg_lattice_site", "at"), Argument("const smg_real *", "all"), G)
 
 
-def sublattice_functions(model) -> list:
-    """What runtime/method/explicit/smg_sublattice_rotations.h asks of a model."""
-    return [pull(model), *colour_functions(model)] if model.method.splitting == "sublattices" else []
-
-
 def pull(model) -> Function:
     """g += dH/dw of a site, which does not depend on its own w."""
     placed = sublattices(model.spec) is not None
@@ -107,4 +102,5 @@ class Sublattices(Part):
         return True if model.method.splitting == "sublattices" else None
 
     def functions(self, model):
-        return sublattice_functions(model)
+        """What runtime/method/explicit/smg_sublattice_rotations.h asks of a model."""
+        return [pull(model), *colour_functions(model)]

@@ -14,8 +14,11 @@ from functools import lru_cache
 from itertools import combinations, islice, product
 from math import gcd, prod
 
+from ...resources import runtime_numbers
+
 MOST_COLOURS = 8
-REACH = 8       # SMG_BEFORE: slots beside a row that vectors may reach into
+# slots beside a row that vectors may reach into; from which a row takes whole vectors, and those of one
+REACH, LONG_ROW, VECTOR = (runtime_numbers()[name][0] for name in ("SMG_BEFORE", "SMG_LONG_ROW", "SMG_WIDEST"))
 FEW_KINDS, KNOWN = 300, 1000    # kinds of rows: of a colouring that is taken first; at most
 LOOKED_AT = 1000        # colourings with the fewest colours, of which one of few kinds of rows is taken
 MOST_TRIED = 100_000    # shifts that are tried of each number of colours; then there is none with so many, or none but those found
@@ -26,6 +29,16 @@ class Colouring:
     colours: int
     weights: tuple
     shift: tuple
+
+    @property
+    def step(self) -> int:
+        """Cells along direction 0 from one site of a colour to the next."""
+        return self.colours if any(self.weights) else 1
+
+    def row_length(self, cells: int) -> int:
+        """Slots of a colour in a row of so many cells, as smg_row_length has it."""
+        slots = -(-cells // self.step)
+        return slots if slots < LONG_ROW else -(-slots // VECTOR) * VECTOR
 
     def of(self, sub: int, offset) -> int:
         return (sum(a * b for a, b in zip(self.weights, offset)) + self.shift[sub]) % self.colours
@@ -99,18 +112,26 @@ def keeps_apart(c: Colouring, lattices) -> bool:
     return met(c, lattices) == 0
 
 
+def even(c: Colouring) -> bool:
+    """Has each colour as many sites as the others?"""
+    return c.step > 1 or len({c.shift.count(k) for k in range(c.colours)}) == 1
+
+
 def serves(c: Colouring, lattices) -> bool:
     """May such a lattice be swept by rows? With as many sites of each colour, bonds that reach no farther along rows than vectors may, and few kinds of rows."""
-    step = c.colours if any(c.weights) else 1
-    even = step > 1 or len({c.shift.count(k) for k in range(c.colours)}) == 1
-    near = all(abs(a[1][0] - b[1][0]) <= REACH * step for bond in bonds_of(lattices) for a in bond for b in bond)
-    return even and near and kinds_of_rows(c, lattices) <= KNOWN
+    near = all(abs(a[1][0] - b[1][0]) <= REACH * c.step for bond in bonds_of(lattices) for a in bond for b in bond)
+    return even(c) and near and kinds_of_rows(c, lattices) <= KNOWN
 
 
 def fit(c: Colouring, lattices, sizes) -> bool:
     """Do colours go on around all periodic directions as they are within?"""
+    return seam(c, lattices, sizes) is None
+
+
+def seam(c: Colouring, lattices, sizes) -> int | None:
+    """The first periodic direction around which they do not."""
     rings = {d for over in lattices for d, closes in enumerate(over.periodic) if closes}
-    return not any(c.weights[d] * sizes[d] % c.colours for d in rings)
+    return next((d for d in sorted(rings) if c.weights[d] * sizes[d] % c.colours), None)
 
 
 def bonds_of(lattices) -> dict:
@@ -182,7 +203,7 @@ def kinds_of_rows(c: Colouring, lattices) -> int:
 
 
 def kinds(c: Colouring, sites: int, bonds) -> int:
-    step = c.colours if any(c.weights) else 1
+    step = c.step
     ranks = sites if step > 1 else sites // c.colours
     reach = [max(abs(a[1][d] - b[1][d]) for bond in bonds for a in bond for b in bond) for d in range(1, len(c.weights))]
     return c.colours * ranks * step * (2 * (reach or [0])[0] + step) * prod(2 * r + 1 for r in reach[1:])

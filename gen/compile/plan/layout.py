@@ -26,11 +26,11 @@ ALL_PAIRS = "all pairs: fixed-point iteration in lanes while it converges fast"
 FEW = "few sites: fixed-point iteration in lanes while it converges fast, otherwise dense Newton"
 
 
-def with_layout(plan: Plan, method: Method, offered, why_by_site: str = "") -> Plan:
-    """The plan with the layout that is taken of those that are offered, and what there is to say of it; why_by_site: why no step goes by rows, where that is known."""
+def with_layout(plan: Plan, method: Method, offered) -> Plan:
+    """The plan with the layout that is taken of those that are offered, and what there is to say of it."""
     layout = next(name for name in LAYOUTS if name in {*offered, "sites"})
     laid = replace(plan, layout=layout)
-    if layout == "rows" and not why_by_site:
+    if layout == "rows":
         return laid.also(MIDPOINT_ROWS if method.of_midpoints else TURN_ROWS if method.splitting else STAGE_ROWS)
     if layout == "few":
         return replace(laid, reason=FEW if plan.solver == "dense" else f"{ALL_PAIRS}; {plan.reason}")

@@ -5,15 +5,14 @@ from itertools import product
 from math import prod
 
 from ... import ranks
-from ...compile.plan.colouring import colouring, keeps_apart
+from ...compile.plan.colouring import VECTOR, keeps_apart, seam
+from ...compile.plan.contributions import contributions_of
 from ...errors import UsageError
 from ...language.evaluate import integer
 from ...language.spec import Lattice
 from ...language.sublattice import together
 from ...methods import METHODS
-from ...resources import runtime_numbers
 
-VECTOR = runtime_numbers()["SMG_WIDEST"][0]      # slots: parts begin where vectors do
 NOT_BY_ROWS = "--grid: only lattices processed by rows with a midpoint method can be cut into blocks"
 
 
@@ -36,18 +35,16 @@ class Rows:
 
     def __init__(self, prepared):
         overs = lattices(prepared)
-        if not overs or not METHODS[prepared.method].of_midpoints:
+        colours = prepared.plan.colours
+        if colours is None or not METHODS[prepared.method].of_midpoints:
             raise UsageError(NOT_BY_ROWS)
-        colours = prepared.plan.colours or colouring(overs)
         self.size = [integer(n, prepared.numbers.values, "the size of a lattice") for n in overs[0].size]
         self.meet = not keeps_apart(colours, overs)
-        self.step = colours.colours if any(colours.weights) else 1
-        slots = -(-self.size[0] // self.step)
-        self.slots = slots if slots < runtime_numbers()["SMG_LONG_ROW"][0] else -(-slots // VECTOR) * VECTOR
+        self.step = colours.step
+        self.slots = colours.row_length(self.size[0])
         pairs = [(a, b) for over in overs for bond in over.bonds for (_, a), (_, b) in product(bond, bond)]
         self.reach = [max((abs(a[d] - b[d]) for a, b in pairs), default=0) for d in range(len(self.size))]
-        rings = {d for over in overs for d, closes in enumerate(over.periodic) if closes}
-        self.seam = next((d for d in sorted(rings) if colours.weights[d] * self.size[d] % colours.colours), None)
+        self.seam = seam(colours, overs, self.size)
 
     def refused(self, grid) -> str:
         """Why the lattice cannot be cut so; "" where it can."""
@@ -79,7 +76,7 @@ class Rows:
 def lattices(prepared) -> list:
     """Those of all bonds, with the sites of all families in a cell."""
     names = [family.name for family in prepared.scene.families]
-    return [together(e.over, names) for e in prepared.scene.energies if isinstance(e.over, Lattice)]
+    return [together(c.over, names) for c in contributions_of(prepared.scene, METHODS[prepared.method]) if isinstance(c.over, Lattice)]
 
 
 def grid_of(rows: Rows, asked: str, count: int) -> tuple:
