@@ -105,8 +105,8 @@ static int smg_solve_at_end(smg_state *s, smg_real h, smg_beyond *a, int solved)
   path.solved = solved;
   smg_rows_copy(s, found, s->row_m);
   a->left = SMG_PATH_SWEEPS * SMG_COLOURS;
-  for (a->relax = solved ? 1 : SMG_RELAXED; !smg_follow_rows(s, h, a, &path); a->relax = SMG_RELAXED)
-    if (a->relax < 1) return 0;
+  a->relax = solved ? 1 : SMG_RELAXED;
+  if (!smg_follow_rows(s, h, a, &path)) return 0;
   const int found_there = smg_missed(s, &path, found) <= SMG_STRAIGHT;
   if (solved && found_there) return 1;
   if (found_there) smg_rows_copy(s, s->row_m, found); /* slow sweeps continue where they stopped */
