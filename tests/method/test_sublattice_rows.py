@@ -19,6 +19,7 @@ over = "site(i) of w"
 energy = "0.3*w[i].x - 0.2*w[i].z"
 """
 BOTH = EXCHANGE + LINEAR
+GROWING = EXCHANGE.replace("-0.7*", "-(0.5 + 0.3*t)*") + LINEAR.replace("0.3*", "0.3*t^2*")      # of no bound that holds at all times
 SPECS = {
     **{f"ring of {n}": lattice("ring", "chain(n, periodic)", n, "n", BOTH + DM) for n in (4, 18, 602)},
     **{f"open chain of {n}": lattice("open_chain", "chain(n, open)", n, "n", BOTH) for n in (3, 35)},
@@ -31,9 +32,10 @@ SPECS = {
     "ladder": lattice("ladder", "rungs.all", 7, "2*n", BOTH, lattice=LADDER),
     "four dimensions": lattice("four", "four.near", 4, "24*n", EXCHANGE + DM, FOUR),
     "pieces": lattice("pieces", "square(n, 30, periodic)", 20, "30*n", EXCHANGE),
+    "growing": lattice("growing", "square(n, 8, periodic)", 6, "8*n", GROWING),
     "other spheres": lattice("spheres", "chain(n, periodic)", 20, "n", BOTH, more=", radius = 1.7, kappa = -0.6"),
 }
-SOME = ("ring of 18", "odd square", "honeycomb", "three colours", "other spheres")
+SOME = ("ring of 18", "growing", "odd square", "honeycomb", "three colours", "other spheres")
 
 
 def built(monkeypatch, spec, method=METHOD, **how):
@@ -59,6 +61,24 @@ def test_the_bits_are_those_from_site_to_site(monkeypatch, name, method):
 @pytest.mark.parametrize("name, widths", [("ring of 18", (2, 4, 8)), ("honeycomb", (2,)), *(pytest.param(n, (2, 4, 8), marks=pytest.mark.long) for n in SPECS)])
 def test_the_same_bits_for_any_number_of_lanes(monkeypatch, name, widths):
     assert same_in_lanes(lambda lanes: built(monkeypatch, SPECS[name], lanes=lanes), widths)
+
+
+def test_a_field_beyond_all_numbers_ends_a_call():
+    """In the state after the last step whose turns are finite."""
+    spec = lattice("beyond", "square(n, 8, periodic)", 6, "8*n", EXCHANGE + LINEAR.replace("0.3*", "exp(300*t)*"))
+    assert in_rows(spec)
+    together, alone = (smidgen.build(spec, method=METHOD).start("random", h=0.1) for _ in range(2))
+    with pytest.raises(RunError, match="not finite|infinite"):
+        together.steps(9)
+    taken = together.count
+    assert 2 < taken < 9 and np.isfinite(together.w).all()
+    assert np.array_equal(alone.steps(taken).save(), together.save())
+
+
+def test_it_goes_on_by_rows_with_other_parameters():
+    """Its bounds and arrays begin anew."""
+    rows, sites = (smidgen.build(SPECS["growing"], method=METHOD, features=features).start("random", h=0.2).steps(3) for features in ((), ("ensemble",)))
+    assert np.array_equal(*(one.set_parameters({}).steps(3).save() for one in (rows, sites)))
 
 
 LIEB = """[lattices.lieb]
@@ -89,8 +109,9 @@ def test_a_colour_that_meets_itself_goes_from_site_to_site(monkeypatch, n):
     assert np.abs(model.steps(6).w - by_witness(spec, w, METHOD, 6)).max() <= 2e-14
 
 
-def test_restored_it_goes_on_with_the_same_bits(monkeypatch):
-    model = built(monkeypatch, SPECS["cubic"])
+@pytest.mark.parametrize("name", ["cubic", "growing"])
+def test_restored_it_goes_on_with_the_same_bits(monkeypatch, name):
+    model = built(monkeypatch, SPECS[name])
     assert restored(model) and one_by_one(model)
 
 

@@ -103,7 +103,7 @@ def rows_of(model, low, over, some, laws):
     why_not = of_radii(model, terms) if bounded else None
     if why_not:
         return why_not
-    bounds, timely = bounds_of_terms(low, terms, radii_of(model), model.method.midpoint and model.method.onto_leaf) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
+    bounds, timely = bounds_of_terms(low, terms, radii_of(model), turned(model) or (model.method.midpoint and model.method.onto_leaf)) if bounded else ({(t.prefix, k): (None, None) for t in terms for k in range(len(t.slots))}, False)
     unbounded = next((t for t in terms for k in range(len(t.slots)) if bounded and None in bounds[t.prefix, k]), None)
     if unbounded:
         return f"the field of {unbounded.called} has no bound that holds at all times"

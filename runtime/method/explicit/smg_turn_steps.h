@@ -29,14 +29,27 @@ static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) 
   ++s->count;
 }
 
-/* count steps: none fails. */
+/* Does the step overflow, as the field is at its middle? */
+static int smg_overflows(SMG_UNUSED smg_state *s) {
+#if SMG_ROWS_IN_TIME
+  smg_set_time_at(&s->c, s, (smg_real)0.5);
+  return !smg_turns_are_finite(s);
+#else
+  return 0;
+#endif
+}
+
+/* count steps, or fewer: none fails but one that overflows. */
 static smg_status smg_row_steps(smg_state *s, int64_t count) {
   smg_besides known;
   smg_begin_call(s, &known);
-  for (int64_t k = 0; k < count; ++k) smg_row_step(s, &known, k == 0, k + 1 < count);
+  s->report.status = SMG_OK;
+  for (int64_t k = 0; k < count && s->report.status == SMG_OK; ++k)
+    if (smg_overflows(s)) s->report.status = SMG_NOT_FINITE;
+    else smg_row_step(s, &known, k == 0, k + 1 < count);
   smg_leave_rows(s);
   s->report.site = s->report.partner = -1;
-  return s->report.status = SMG_OK;
+  return s->report.status;
 }
 
 #endif
