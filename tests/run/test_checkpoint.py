@@ -68,11 +68,11 @@ def test_every_solver_goes_on(solver, real):
 
 @pytest.mark.parametrize("features, h", [((), 8.0), (("extended",), 1.5)], ids=["by rows", "from site to site"])
 def test_the_rest_from_sweeps_goes_on(features, h):
-    """While sweeps do not settle, their trial is put off: the count of that is part of the state."""
+    """While sweeps from site to site do not settle, their trial is put off: the count of that is part of the state. Those by rows are tried in every step."""
     case = begin("heisenberg_chain", n=12)
     one, other = (model(case, features=features) for _ in range(2))
     one.start(case.w.copy(), h=h).steps(3)
-    assert one.save()[NEWTON_STEPS] > 0
+    assert (one.save()[NEWTON_STEPS] > 0) == bool(features)
     goes_on(one, other, case.w, h, before=3, after=300)
 
 
