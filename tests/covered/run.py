@@ -28,7 +28,7 @@ RUN = re.compile(r"/runtime/test_(band|edges_of_\w+|follow|krylov|lanes|newton_a
 # Those of which tests that are slow take more.
 SLOW = re.compile(r"test_(bad_steps|compositions|dop853_header|draws|edges_of_\w+|ensemble|field_rows|gauss_header|gauss_rows|held|interface|lanes|noise|noise_edges|pair_rows|parallel_spins|parameters"
                   r"|response|row_blocks|row_wave|rows|rows_composed|rows_tangent|runtime|set_state|shared_model|spoilt_states|states_without_memory|statuses|tangent|tolerance)\.py")
-DESELECTED = "not mutants and not meanwhile and not clang and not g++"
+DESELECTED = "not ranks_refuse and not mutants and not meanwhile and not clang and not g++"
 
 
 def measure(place: Path) -> tuple[dict, str]:
