@@ -5,7 +5,7 @@
 #include "smg_row_field.h"
 #include "smg_turn_state.h"
 
-/* Does no turn of a step overflow? Where the bounds are those of its time, at its middle. */
+/* Can no rotation of a step overflow, by the bound on the field? If that depends on time, as it is at the midpoint. */
 static inline int smg_turns_are_finite(const smg_state *s) {
   return smg_row_field(&s->c, smg_signed_h(s->h)) <= SMG_FINITE_FIELD;
 }

@@ -29,7 +29,7 @@ static void smg_row_step(smg_state *s, smg_besides *known, int first, int more) 
   ++s->count;
 }
 
-/* Does the step overflow, as the field is at its middle? */
+/* Could a rotation of the next step overflow, by the bound on the field at its midpoint? */
 static int smg_overflows(SMG_UNUSED smg_state *s) {
 #if SMG_ROWS_IN_TIME
   smg_set_time_at(&s->c, s, (smg_real)0.5);
